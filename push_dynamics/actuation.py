@@ -41,7 +41,6 @@ def limit_command(robot: RoundRobot, command: Twist) -> Twist:
 
     Translation is shortened as a vector, so that its direction stays.
 
-    :param robot: the ``RoundRobot``.
     :param command: commanded ``Twist`` in the robot's own axes.
     :return: ``Twist`` within the limits.
     :raises ValueError: where a component is not finite, or asks a differential drive to move
@@ -103,7 +102,6 @@ def track_command(v_x: float, v_y: float, omega: float, command: Any, drive: Any
     :param command: (v_x, v_y, omega) within the limits.
     :param drive: numbers in the order of ``layout``.
     :param duration: how long [s].
-    :return: ``TrackedCommand``.
     """
     to_x, to_y, to_omega = command[0] - v_x, command[1] - v_y, command[2] - omega
     speed = math.sqrt(to_x * to_x + to_y * to_y)

@@ -4,7 +4,8 @@ Scalar kernels: compiled by numba where it is installed, plain Python elsewhere.
 Machine code is kept on disk, in a directory named after the text of all modules that end up in
 it (this folder, that of the function, and the modules of what it calls): numba itself notices
 changes only in the file of the outermost function. The directory is in the user's cache, so that a
-read-only installation works; where it cannot be written to either, every process compiles anew.
+read-only installation works; where it cannot be written to either, or others can write to it,
+every process compiles anew.
 
 Neither numba nor machine code is loaded before the first call, so that importing a module costs
 nothing. Compiling takes 6 s of CPU time, and loading machine code from disk 0.5 s. Where little
@@ -24,7 +25,8 @@ import types
 from typing import Any, Callable, cast, TypeVar
 
 import numpy as np
-from push_dynamics.reservation import reserved
+from push_dynamics.overload_cache import OverloadCache
+from push_dynamics.private_folder import PrivateFolder
 from push_dynamics.user_cache import user_cache
 from push_model import friction, geometry
 from push_model.geometry import FloatArray
@@ -70,7 +72,7 @@ class CompiledFunction:
     @functools.cached_property
     def dispatcher(self) -> Any:
         """Numba's dispatcher for calls from Python."""
-        return self._make_dispatcher('', {})
+        return self._make_dispatcher('outer', {})
 
     @functools.cached_property
     def inner_dispatcher(self) -> Any:
@@ -82,23 +84,18 @@ class CompiledFunction:
         """
         return self._make_dispatcher('inner', INNER_OPTIONS)
 
-    def _make_dispatcher(self, subfolder: str, special: dict[str, bool]) -> Any:
+    def _make_dispatcher(self, kind: str, special: dict[str, bool]) -> Any:
         numba = importlib.import_module('numba')
         options = {**_options(numba), **special}
         files = _files_of(self.py_func)
-        directory = cache_directory(pathlib.Path(self.py_func.__code__.co_filename).parent, files)
-        if directory is None:
-            return numba.njit(self.py_func, **options)
-        folder = pathlib.Path(directory) / subfolder
-        folder.mkdir(exist_ok=True)
-        before = numba.config.CACHE_DIR
-        numba.config.CACHE_DIR = str(folder)
-        try:
-            dispatcher = numba.njit(cache=True, **options)(self.py_func)
-        finally:
-            numba.config.CACHE_DIR = before
-        name = f'{self.py_func.__module__}.{self.py_func.__qualname__}'.replace('.', '-')
-        dispatcher.compile = _in_turn(dispatcher.compile, folder / name)
+        folder = cache_directory(pathlib.Path(self.py_func.__code__.co_filename).parent, files)
+        dispatcher = numba.njit(self.py_func, **options)
+        if folder is not None:
+            parts = [*self.py_func.__module__.split('.'), self.py_func.__qualname__, kind]
+            name = '-'.join(parts).replace('.', '-')
+            # What ``cache=True`` would make unpickles whatever lies in its folder.
+            dispatcher._cache = OverloadCache(numba, self.py_func, folder, name)
+            dispatcher.compile = _in_turn(dispatcher.compile, folder, name)
         return dispatcher
 
     # Calls go straight to the dispatcher: a method here would take as long as some functions do.
@@ -149,7 +146,7 @@ def array_view(array: FloatArray) -> Any:
     return memoryview(values)
 
 
-def numbers_of(values: Any) -> list[float]:
+def values_of(values: Any) -> list[float]:
     """
     List the numbers of a ``kernel_array`` of one dimension.
 
@@ -159,9 +156,9 @@ def numbers_of(values: Any) -> list[float]:
 
 
 def cache_directory(folder: pathlib.Path = HERE,
-                    files: frozenset[str] = frozenset()) -> str | None:
+                    files: frozenset[str] = frozenset()) -> PrivateFolder | None:
     """
-    Return the directory for numba's machine code; see ``user_cache``.
+    Return the folder for numba's machine code; see ``user_cache``.
 
     :param folder: of the compiled function's module.
     :param files: paths of modules elsewhere whose functions it calls.
@@ -198,33 +195,27 @@ def _interpreted_names(module: str) -> dict[str, Any]:
 _reserved_here: set[pathlib.Path] = set()
 
 
-def _in_turn(compile_function: Callable[..., Any], path: pathlib.Path) -> Callable[..., Any]:
+def _in_turn(compile_function: Callable[..., Any], folder: PrivateFolder,
+             name: str) -> Callable[..., Any]:
     """
     Let one process compile, and those that started with it wait and load its machine code.
 
     :param compile_function: of a dispatcher.
-    :param path: what is compiled, without a suffix.
+    :param folder: of its cache.
+    :param name: what is compiled.
     """
     lock = importlib.import_module('numba.core.compiler_lock').global_compiler_lock
-
-    def load_or_compile(signature: Any) -> Any:
-        try:
-            return compile_function(signature)
-        except (AttributeError, ImportError):
-            # Its list names the types of arguments, of which one is gone, as after an update.
-            for index in path.parent.rglob('*.nbi'):
-                index.unlink(missing_ok=True)
-            return compile_function(signature)
+    path = folder.path / name
 
     def compile_in_turn(signature: Any) -> Any:
         # First the lock of the compiler: another thread that has it may want this file.
         with lock:
             if path in _reserved_here:
-                return load_or_compile(signature)
+                return compile_function(signature)
             _reserved_here.add(path)
             try:
-                with reserved(path):
-                    return load_or_compile(signature)
+                with folder.reserved(name):
+                    return compile_function(signature)
             finally:
                 _reserved_here.remove(path)
     return compile_in_turn

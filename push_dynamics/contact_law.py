@@ -15,6 +15,15 @@ from typing import Any, NamedTuple
 
 from push_dynamics.compiled import closest_on_polygon, compiled, lowest_vertex
 from push_dynamics.layout import ANY_MODE, SEPARATE, SLIDE_LEFT, SLIDE_RIGHT, STICK
+from push_model.geometry import Pose
+
+
+class Velocity(NamedTuple):
+    """Velocity (v_x, v_y) [m/s], world axes, and yaw rate omega [rad/s]."""
+
+    v_x: float
+    v_y: float
+    omega: float
 
 
 class ContactPoint(NamedTuple):
@@ -66,6 +75,44 @@ class SurfaceVelocity(NamedTuple):
     tangential: float
 
 
+class MiddleOfStep(NamedTuple):
+    """
+    Contact in the predicted middle of a step.
+
+    :param h: length of the step [s].
+    :param c: cosine of the object's orientation.
+    :param s: sine of it.
+    :param contact: ``ContactGeometry``.
+    :param surface: ``SurfaceVelocity``.
+    """
+
+    h: float
+    c: float
+    s: float
+    contact: ContactGeometry
+    surface: SurfaceVelocity
+
+
+class ContactEquations(NamedTuple):
+    """
+    What an impulse l does at a contact, and what is asked of it: ``W l = need`` where it sticks.
+
+    ``W = ((w_nn, w_nt), (w_nt, w_tt))`` is positive definite.
+
+    :param w_nn: normal velocity per normal impulse [1/kg].
+    :param w_nt: normal velocity per tangential impulse [1/kg].
+    :param w_tt: tangential velocity per tangential impulse [1/kg].
+    :param need_n: normal velocity that is missing without an impulse [m/s].
+    :param need_t: tangential velocity that is missing for sticking [m/s].
+    """
+
+    w_nn: float
+    w_nt: float
+    w_tt: float
+    need_n: float
+    need_t: float
+
+
 class ContactImpulse(NamedTuple):
     """
     Impulse of the robot on the object.
@@ -81,26 +128,21 @@ class ContactImpulse(NamedTuple):
 
 
 @compiled
-def nearest_points(outline: Any, disc_radius: float, robot_radius: float, x: float, y: float,
-                   theta: float, robot_x: float, robot_y: float,
-                   robot_theta: float) -> ContactPoint:
+def nearest_points(outline: Any, disc_radius: float, robot_radius: float, pose: Pose,
+                   robot: Pose) -> ContactPoint:
     """
     Find the nearest points of object and robot.
 
     :param outline: vertices in the object frame, shape (k, 2) [m]; ignored for a disc.
     :param disc_radius: radius of a disc about the object frame, 0 for a polygon [m].
     :param robot_radius: R_p [m]; infinite for a flat pusher.
-    :param x: object frame in the world, x [m].
-    :param y: the same, y [m].
-    :param theta: its orientation [rad].
-    :param robot_x: robot centre, x [m].
-    :param robot_y: robot centre, y [m].
-    :param robot_theta: heading of the robot, which only a flat pusher needs [rad].
-    :return: ``ContactPoint``.
+    :param pose: of the object frame in the world.
+    :param robot: pose of the robot; only a flat pusher needs its heading.
     """
-    d_x, d_y = robot_x - x, robot_y - y
+    x, y, theta = pose
+    d_x, d_y = robot.x - x, robot.y - y
     if math.isinf(robot_radius):
-        n_x, n_y = math.cos(robot_theta), math.sin(robot_theta)
+        n_x, n_y = math.cos(robot.theta), math.sin(robot.theta)
         c_x, c_y = -disc_radius * n_x, -disc_radius * n_y
         if disc_radius == 0.0:
             c, s = math.cos(theta), math.sin(theta)
@@ -122,39 +164,36 @@ def nearest_points(outline: Any, disc_radius: float, robot_radius: float, x: flo
 
 
 @compiled
-def surface_velocity(robot_radius: float, n_x: float, n_y: float, arm_x: float, arm_y: float,
-                     v_x: float, v_y: float, omega: float) -> tuple[float, float]:
+def surface_velocity(robot_radius: float, nearest: ContactPoint, robot: Pose,
+                     velocity: Velocity) -> tuple[float, float]:
     """
     Compute the velocity of the robot's surface at the contact, along n and t [m/s].
 
     :param robot_radius: R_p [m]; infinite for a flat pusher.
-    :param n_x: contact normal, x.
-    :param n_y: contact normal, y.
-    :param arm_x: from the robot's position to the contact, x [m]; only a flat pusher needs it.
-    :param arm_y: the same, y [m].
-    :param v_x: velocity of the robot's position, world axes, x [m/s].
-    :param v_y: the same, y [m/s].
-    :param omega: its yaw rate [rad/s].
+    :param robot: pose of the robot; only a flat pusher needs its position.
+    :param velocity: of the robot's position, world axes.
     """
+    n_x, n_y = nearest.n_x, nearest.n_y
+    v_x, v_y, omega = velocity
     normal, tangential = n_x * v_x + n_y * v_y, n_x * v_y - n_y * v_x
     if math.isinf(robot_radius):
+        arm_x, arm_y = nearest.x - robot.x, nearest.y - robot.y
         return normal - omega * (n_x * arm_y - n_y * arm_x), tangential
     return normal, tangential + omega * robot_radius
 
 
 @compiled
-def _sliding_impulse(w_nn: float, w_nt: float, need_n: float, friction_coefficient: float,
+def _sliding_impulse(equations: ContactEquations, friction_coefficient: float,
                      mode: int) -> ContactImpulse:
     """Compute the impulse on one edge of the cone; arguments as in ``contact_impulse``."""
     slope = friction_coefficient if mode == SLIDE_LEFT else -friction_coefficient
-    divisor = w_nn + slope * w_nt
-    normal = need_n / divisor if divisor > 0.0 else 0.0
+    divisor = equations.w_nn + slope * equations.w_nt
+    normal = equations.need_n / divisor if divisor > 0.0 else 0.0
     return ContactImpulse(normal, slope * normal, mode)
 
 
 @compiled
-def _creeping_impulse(w_nn: float, w_nt: float, w_tt: float, need_n: float, need_t: float,
-                      friction_coefficient: float, mode: int,
+def _creeping_impulse(equations: ContactEquations, friction_coefficient: float, mode: int,
                       creep_speed: float) -> ContactImpulse:
     """
     Compute the impulse of a contact that creeps; arguments as in ``contact_impulse``.
@@ -164,6 +203,7 @@ def _creeping_impulse(w_nn: float, w_nt: float, w_tt: float, need_n: float, need
     ``a r^2 + b r + c = 0``. The slip that is left falls as r grows while ``w_nn + w_nt r > 0``,
     and of the two roots one is in that range: ``-2 c / (b + sqrt(b^2 - 4 a c))``.
     """
+    w_nn, w_nt, w_tt, need_n, need_t = equations
     k = creep_speed / friction_coefficient
     a = k * w_nt
     b = k * w_nn + need_n * w_tt - need_t * w_nt
@@ -176,36 +216,28 @@ def _creeping_impulse(w_nn: float, w_nt: float, w_tt: float, need_n: float, need
         return ContactImpulse(normal, slope * normal, STICK)
     if mode == STICK or mode == ANY_MODE:
         mode = SLIDE_LEFT if c < 0.0 else SLIDE_RIGHT
-    return _sliding_impulse(w_nn, w_nt, need_n, friction_coefficient, mode)
+    return _sliding_impulse(equations, friction_coefficient, mode)
 
 
 @compiled
-def contact_impulse(w_nn: float, w_nt: float, w_tt: float, need_n: float, need_t: float,
-                    friction_coefficient: float, mode: int,
+def contact_impulse(equations: ContactEquations, friction_coefficient: float, mode: int,
                     creep_speed: float = 0.0) -> ContactImpulse:
     """
     Compute the impulse that keeps the bodies apart: none, sticking, or on the edge of the cone.
 
-    ``W = ((w_nn, w_nt), (w_nt, w_tt))`` maps the impulse to the relative velocity that it makes.
     Sticking solves ``W l = need``, sliding ``w_nn l_n + w_nt l_t = need_n`` with
     ``l_t = +-mu_c l_n``. W is positive definite; therefore the sign of the sticking impulse tells
     the side that slides, and the divisor below is positive for the mode that the law selects.
 
-    :param w_nn: normal velocity per normal impulse [1/kg].
-    :param w_nt: normal velocity per tangential impulse [1/kg].
-    :param w_tt: tangential velocity per tangential impulse [1/kg].
-    :param need_n: normal velocity that is missing without an impulse [m/s].
-    :param need_t: tangential velocity that is missing for sticking [m/s].
     :param friction_coefficient: mu_c.
     :param mode: ANY_MODE, or the mode to impose whether it is the right one or not.
     :param creep_speed: slip of a sticking contact at its friction limit, kappa V [m/s].
-    :return: ``ContactImpulse``.
     """
+    w_nn, w_nt, w_tt, need_n, need_t = equations
     if mode == SEPARATE or (mode == ANY_MODE and need_n <= 0.0):
         return ContactImpulse(0.0, 0.0, SEPARATE)
     if creep_speed > 0.0 and friction_coefficient > 0.0:
-        return _creeping_impulse(w_nn, w_nt, w_tt, need_n, need_t, friction_coefficient, mode,
-                                 creep_speed)
+        return _creeping_impulse(equations, friction_coefficient, mode, creep_speed)
     determinant = w_nn * w_tt - w_nt * w_nt
     normal = (w_tt * need_n - w_nt * need_t) / determinant
     tangential = (w_nn * need_t - w_nt * need_n) / determinant
@@ -214,7 +246,7 @@ def contact_impulse(w_nn: float, w_nt: float, w_tt: float, need_n: float, need_t
         return ContactImpulse(normal, tangential, STICK)
     if mode == ANY_MODE:
         mode = SLIDE_LEFT if tangential > 0.0 else SLIDE_RIGHT
-    return _sliding_impulse(w_nn, w_nt, need_n, friction_coefficient, mode)
+    return _sliding_impulse(equations, friction_coefficient, mode)
 
 
 @compiled
@@ -223,7 +255,6 @@ def law_violation(impulse: ContactImpulse, missing: float, slip: float,
     """
     Measure how far a contact is from the law of its mode [m/s]; 0 where it keeps to it.
 
-    :param impulse: ``ContactImpulse``.
     :param missing: normal velocity that the object's contact point lacks [m/s].
     :param slip: tangential velocity of that point relative to the robot's surface [m/s].
     :param friction_coefficient: mu_c.

@@ -18,13 +18,11 @@ MAX_OVERLAP = 5e-3
 NO_OUTLINE = ((0.0, 0.0), (0.0, 0.0))
 
 
-def body_numbers(obj: PushedObject, robot: RoundRobot, smoothing: float,
-                 creep: float = 0.0) -> list[float]:
+def body_values(obj: PushedObject, robot: RoundRobot, smoothing: float,
+                creep: float = 0.0) -> list[float]:
     """
     Encode what does not change, in the order of ``layout``.
 
-    :param obj: the ``PushedObject``.
-    :param robot: the ``RoundRobot``.
     :param smoothing: speed below which support friction turns viscous [m/s].
     :param creep: slip of the contact at its friction limit over the distance that the robot's
         surface moves, see ``contact_law``.
@@ -35,12 +33,8 @@ def body_numbers(obj: PushedObject, robot: RoundRobot, smoothing: float,
             obj.center_of_mass_height]
 
 
-def drive_numbers(robot: RoundRobot) -> list[float]:
-    """
-    Encode lag and limits of the drive, in the order of ``layout``.
-
-    :param robot: the ``RoundRobot``.
-    """
+def drive_values(robot: RoundRobot) -> list[float]:
+    """Encode lag and limits of the drive, in the order of ``layout``."""
     return [robot.time_constant, robot.max_acceleration, robot.max_yaw_acceleration]
 
 
@@ -49,7 +43,6 @@ def support_rows(obj: PushedObject, capacities: Sequence[float],
     """
     Encode the supports, columns in the order of ``layout``.
 
-    :param obj: the ``PushedObject``.
     :param capacities: friction capacity of each support, under its load at rest [N].
     :param factors: factor on the friction of each support.
     """
@@ -66,8 +59,6 @@ def resolve_overlap(obj: PushedObject, robot: RoundRobot, object_pose: Pose,
     """
     Move a robot that overlaps a little with the object back until it touches.
 
-    :param obj: the ``PushedObject``.
-    :param robot: the ``RoundRobot``.
     :param object_pose: ``Pose`` of the object frame in the world.
     :param robot_pose: ``Pose`` of the robot in the world.
     :return: ``Pose`` of the robot; the same where it only touches, but for rounding.
@@ -91,7 +82,6 @@ def initial_state(obj: PushedObject, object_pose: Pose, robot_pose: Pose) -> lis
     """
     Encode the state at rest, in the order of ``layout``.
 
-    :param obj: the ``PushedObject``.
     :param object_pose: ``Pose`` of the object frame in the world.
     :param robot_pose: ``Pose`` of the robot in the world.
     """

@@ -6,6 +6,8 @@ world as one flat array. These names say which number is which; ``encoding`` tra
 them and the typed values of the rest of the package.
 """
 
+from typing import Any, NamedTuple
+
 # State: the mass centre and its velocity, world axes. The acceleration over the last step
 # predicts the next one; it is 0 where it says nothing about that.
 X = 0
@@ -87,3 +89,28 @@ SLIDE_RIGHT = 3
 MODE_COUNT = 4
 # In place of a mode: the one that the contact law selects.
 ANY_MODE = -1
+
+
+class World(NamedTuple):
+    """
+    An object and the robot beside it, in arrays whose numbers have the order above.
+
+    :param state: shape (``STATE_SIZE``,), is written.
+    :param body: what does not change of object and robot, shape (11,).
+    :param supports: shape (k, ``SUPPORT_SIZE``); their capacities and loads are written.
+    :param outline: vertices in the object frame [m].
+    :param floor: rows of ``floor.floor_rows``; none on a plain floor.
+    :param forces: friction on each support (x, y, x, y, ...) [N], is written; empty where neither
+        that nor energies are asked for.
+    :param drive: lag and limits of the robot's drive, shape (3,).
+    :param command: (v_x, v_y, omega) asked of the robot, its own axes [m/s, rad/s].
+    """
+
+    state: Any
+    body: Any
+    supports: Any
+    outline: Any
+    floor: Any
+    forces: Any
+    drive: Any
+    command: Any

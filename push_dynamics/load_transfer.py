@@ -12,13 +12,14 @@ import math
 from typing import Any, NamedTuple
 
 from push_dynamics.compiled import compiled, load_moment
-from push_dynamics.contact_law import ContactGeometry, ContactImpulse, SurfaceVelocity
+from push_dynamics.contact_law import (
+    ContactGeometry, ContactImpulse, MiddleOfStep, Velocity,
+)
 from push_dynamics.layout import (
     CENTER_OF_MASS_HEIGHT, CONTACT_HEIGHT, GRADIENT_X, GRADIENT_Y, INERTIA, LOAD_FRACTION,
     LOAD_RATIO, MASS, PRESSURE_X, PRESSURE_Y, SUPPORT_X, SUPPORT_Y, V_X, V_Y,
 )
 from push_dynamics.solver import CONVERGED, solve, StepSolution
-from push_dynamics.support_friction import Velocity
 from push_model.parameters import GRAVITY
 
 # Share of an edge by which a ray through a support may miss both edges that meet there: far above
@@ -68,8 +69,6 @@ def pressure_of(state: Any, body: Any, h: float, velocity: Velocity, contact: Co
     :param body: numbers in the order of ``layout``.
     :param h: step [s].
     :param velocity: ``Velocity`` at the end of the step.
-    :param contact: ``ContactGeometry``.
-    :param impulse: ``ContactImpulse``.
     """
     contact_height, height = body[CONTACT_HEIGHT], body[CENTER_OF_MASS_HEIGHT]
     mass, weight = body[MASS], h * body[MASS] * GRAVITY
@@ -131,12 +130,12 @@ def shift_loads(supports: Any, c: float, s: float, pressure: Pressure) -> None:
         edge = tipping_edge(supports, p_x, p_y)
         first, second, share = edge.first, edge.second, edge.share
         beyond = 1.0 if edge.distance <= lift else min(1.0, (1.0 - lift) / (edge.distance - lift))
-    kept = min(lift, 1.0)
+    carried_part = min(lift, 1.0)
     for i in range(len(supports)):
         fraction = supports[i][LOAD_FRACTION]
         if fraction > 0.0:
             change = supports[i][GRADIENT_X] * p_x + supports[i][GRADIENT_Y] * p_y
-            load = (1.0 - beyond) * (fraction + kept * change)
+            load = (1.0 - beyond) * (fraction + carried_part * change)
             if i == first:
                 load += beyond * (1.0 - share)
             if i == second:
@@ -145,36 +144,36 @@ def shift_loads(supports: Any, c: float, s: float, pressure: Pressure) -> None:
 
 
 @compiled
-def solve_with_loads(state: Any, body: Any, supports: Any, c: float, s: float, h: float,
-                     guess: Velocity, contact: ContactGeometry,
-                     surface: SurfaceVelocity) -> StepSolution:
+def solve_with_loads(state: Any, body: Any, supports: Any, middle: MiddleOfStep,
+                     guess: Velocity) -> StepSolution:
     """
     Solve for the velocity at the end of the step, with the loads that belong to it.
 
-    Arguments are as in ``solver.solve``. Begins with the loads of the last step, and leaves in
-    ``supports`` those that the solution was found with.
+    Arguments are as in ``solver.solve``. It starts with the loads of the last step, and leaves
+    those of the solution in ``supports``.
 
     :return: ``StepSolution``; its residual includes what the last change of the loads may change
         the velocity by.
     """
+    h, contact = middle.h, middle.contact
     pressure = Pressure(state[PRESSURE_X], state[PRESSURE_Y])
-    shift_loads(supports, c, s, pressure)
-    solution = solve(state, body, supports, c, s, h, guess, contact, surface)
-    found = pressure_of(state, body, h, solution.velocity, contact, solution.impulse)
+    shift_loads(supports, middle.c, middle.s, pressure)
+    solution = solve(state, body, supports, middle, guess)
+    following = pressure_of(state, body, h, solution.velocity, contact, solution.impulse)
     count = 1
     # Velocity by shift: the moment of the weight, over a step, over the radius of gyration.
     rate = h * GRAVITY * math.sqrt(body[MASS] / body[INERTIA])
-    change = rate * math.hypot(found.x - pressure.x, found.y - pressure.y)
+    change = rate * math.hypot(following.x - pressure.x, following.y - pressure.y)
     while change > CONVERGED and count < MAX_ITERATIONS:
         count += 1
-        pressure = found
-        shift_loads(supports, c, s, pressure)
-        again = solve(state, body, supports, c, s, h, solution.velocity, contact, surface)
+        pressure = following
+        shift_loads(supports, middle.c, middle.s, pressure)
+        again = solve(state, body, supports, middle, solution.velocity)
         solution = StepSolution(again.velocity, again.weight_velocity, again.impulse,
                                 solution.iterations + again.iterations, again.residual)
-        found = pressure_of(state, body, h, solution.velocity, contact, solution.impulse)
-        change = rate * math.hypot(found.x - pressure.x, found.y - pressure.y)
-    state[PRESSURE_X] = found.x
-    state[PRESSURE_Y] = found.y
+        following = pressure_of(state, body, h, solution.velocity, contact, solution.impulse)
+        change = rate * math.hypot(following.x - pressure.x, following.y - pressure.y)
+    state[PRESSURE_X] = following.x
+    state[PRESSURE_Y] = following.y
     return StepSolution(solution.velocity, solution.weight_velocity, solution.impulse,
                         solution.iterations, solution.residual + change)

@@ -21,8 +21,6 @@ import ctypes
 import functools
 import hashlib
 import importlib
-import os
-import pathlib
 import threading
 from typing import Any, NamedTuple, Optional
 
@@ -42,7 +40,7 @@ ITEM_SIZE = 8
 LANES = 4
 # Least number of rows that memory is kept for. Chosen: as many as most pushes take, so that it
 # grows once or twice in all.
-LEAST_CAPACITY = 256
+MIN_CAPACITY = 256
 
 _BINARY = {ca.OP_ADD: 'fadd', ca.OP_SUB: 'fsub', ca.OP_MUL: 'fmul', ca.OP_DIV: 'fdiv'}
 _COMPARISONS = {ca.OP_LT: 'olt', ca.OP_LE: 'ole', ca.OP_EQ: 'oeq', ca.OP_NE: 'une'}
@@ -75,7 +73,7 @@ class RowFunction:
             **{function.name_out(i): function.nnz_out(i) for i in outputs}}
         self._results = [function.name_out(i) for i in outputs]
         self._gathered = gathered
-        self._kept = threading.local()
+        self._by_thread = threading.local()
         lanes = LANES if is_independent else 1
         self._code = _compile(function, lanes, gathered) if is_compiled else None
 
@@ -88,9 +86,9 @@ class RowFunction:
         :return: results, shape (n, size) each.
         """
         count = max(len(array) for array in arguments.values() if array.ndim == 2)
-        memory: Optional[_Memory] = getattr(self._kept, 'memory', None)
+        memory: Optional[_Memory] = getattr(self._by_thread, 'memory', None)
         if memory is None or memory.capacity < count:
-            memory = self._kept.memory = self._memory(count, arguments)
+            memory = self._by_thread.memory = self._memory(count, arguments)
         for name, array in arguments.items():
             if array.ndim == 2:
                 memory.arrays[name][:count] = array
@@ -102,7 +100,7 @@ class RowFunction:
 
     def _memory(self, count: int, arguments: Mapping[str, FloatArray]) -> '_Memory':
         """Allocate memory for a number of rows, or some more."""
-        capacity = LEAST_CAPACITY
+        capacity = MIN_CAPACITY
         while capacity < count:
             capacity *= 2
         arrays = {name: np.zeros(size if name in arguments and arguments[name].ndim == 1
@@ -110,14 +108,14 @@ class RowFunction:
         return _Memory(arrays, capacity, self.bind(arrays))
 
     def bind(self, arrays: Mapping[str, FloatArray],
-             numbers: Optional[IntArray] = None) -> 'BoundRows':
+             indices: Optional[IntArray] = None) -> 'BoundRows':
         """
         Prepare evaluations over rows; each call evaluates all of them, in order.
 
         :param arrays: name of each argument and result -> array of shape (n, size), or (size,) for
             what is the same in all rows. They may be views, also reversed ones, of contiguous
             rows.
-        :param numbers: those of the rows of gathered arguments, shape (n,).
+        :param indices: those of the rows of gathered arguments, shape (n,).
         """
         rows = [arrays[name] for name in self.sizes]
         count = next((len(array) for name, array in zip(self.sizes, rows)
@@ -126,10 +124,10 @@ class RowFunction:
             _check_rows(name, array, self.sizes[name],
                         len(array) if name in self._gathered else count)
         if self._code is None:
-            picked = [numbers if name in self._gathered else None for name in self.sizes]
+            picked = [indices if name in self._gathered else None for name in self.sizes]
             return BoundRows(functools.partial(_interpret, self._function, rows, picked), count,
                              rows)
-        pointed = rows if numbers is None else [*rows, numbers]
+        pointed = rows if indices is None else [*rows, indices]
         addresses = (ctypes.c_void_p * len(pointed))(*(
             array.__array_interface__['data'][0] for array in pointed))
         strides = (ctypes.c_int64 * len(rows))(
@@ -234,12 +232,12 @@ def _interpret(function: Any, rows: Sequence[FloatArray], picked: Sequence[Optio
     """Evaluate rows by casadi."""
     inputs = function.n_in()
     for k in range(count):
-        values = [array if array.ndim == 1 else array[k if numbers is None else numbers[k]]
-                  for array, numbers in zip(rows, picked)]
+        values = [array if array.ndim == 1 else array[k if indices is None else indices[k]]
+                  for array, indices in zip(rows, picked)]
         arguments = [ca.DM(function.sparsity_in(i), value)
                      for i, value in enumerate(values[:inputs])]
-        for result, found in zip(values[inputs:], function.call(arguments)):
-            result[:] = found.nonzeros()
+        for result, output in zip(values[inputs:], function.call(arguments)):
+            result[:] = output.nonzeros()
 
 
 @functools.lru_cache(maxsize=1)
@@ -295,37 +293,20 @@ def _assemble(llvm: Any, text: str) -> _Code:
     machine = llvm.Target.from_default_triple().create_target_machine(
         cpu=cpu, features=features, opt=OPTIMIZATION, jit=True)
     key = repr((text, cpu, features, llvm.llvm_version_info, OPTIMIZATION)).encode()
-    file = _cache_file(hashlib.sha256(key).hexdigest())
-    if file is None or not file.exists():
+    name = f'{hashlib.sha256(key).hexdigest()}.o'
+    folder = user_cache('machine_code')
+
+    def emit() -> bytes:
         module = llvm.parse_assembly(text)
         module.triple = machine.triple
-        code = machine.emit_object(module)
-        _store(file, code)
-    else:
-        code = file.read_bytes()
+        return machine.emit_object(module)
+    code = emit() if folder is None else folder.read_or_make(name, emit)
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(''), machine)
     engine.add_object_file(llvm.object_file.ObjectFileRef.from_data(code))
     engine.finalize_object()
     prototype = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int64)
     address = engine.get_function_address('rows')
     return _Code(engine, prototype(address), address)
-
-
-def _cache_file(name: str) -> Optional[pathlib.Path]:
-    directory = user_cache('expressions')
-    return None if directory is None else pathlib.Path(directory) / f'{name}.o'
-
-
-def _store(file: Optional[pathlib.Path], code: bytes) -> None:
-    """Write machine code to its file, at once as a whole: other processes may read it."""
-    if file is None:
-        return
-    unfinished = file.with_suffix(f'.{os.getpid()}')
-    try:
-        unfinished.write_bytes(code)
-        os.replace(unfinished, file)
-    except OSError:
-        unfinished.unlink(missing_ok=True)
 
 
 def _translate(function: Any, version: int, lanes: int, gathered: Sequence[str]) -> str:
@@ -420,14 +401,14 @@ class _Translation:
 
     def _load(self, place: int, argument: int, element: int) -> list[str]:
         lines: list[str] = []
-        found: list[str] = []
+        operands: list[str] = []
         for lane in range(self._lanes):
             address, value = self._new(), self._new()
             lines += [f'  {address} = getelementptr double, {self._pointer} '
                       f'%p{argument}.{lane}, i64 {element}',
                       f'  {value} = load double, {self._pointer} {address}']
-            found.append(value)
-        joined = self._joined(found, lines)
+            operands.append(value)
+        joined = self._joined(operands, lines)
         self._values[place] = joined
         return lines
 

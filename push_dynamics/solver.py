@@ -8,9 +8,8 @@ tangential velocity of the contact point, l_n and l_t the contact impulses. The 
 ``D_i = h q_i / |v_i|`` depend on v: they are iterated, and for given weights the contact is solved
 in closed form. Where a push shifts the loads, ``load_transfer`` iterates on them around this.
 
-Arguments are named as in ``step``; ``c`` and ``s`` are cosine and sine of the orientation of the
-object, ``guess`` is the predicted v, ``contact`` and ``surface`` are what
-``contact_law.ContactGeometry`` and ``contact_law.SurfaceVelocity`` describe.
+Arguments are named as in ``step``; ``guess`` is the predicted v, ``middle`` the contact in the
+middle of the step.
 """
 
 import math
@@ -18,15 +17,14 @@ from typing import Any, NamedTuple
 
 from push_dynamics.compiled import compiled
 from push_dynamics.contact_law import (
-    contact_impulse, ContactGeometry, ContactImpulse, law_violation, SurfaceVelocity,
+    contact_impulse, ContactEquations, ContactImpulse, law_violation, MiddleOfStep,
+    SurfaceVelocity, Velocity,
 )
 from push_dynamics.layout import (
     ANY_MODE, CONTACT_CREEP, CONTACT_FRICTION, INERTIA, MASS, MODE_COUNT, OMEGA, SEPARATE, V_X,
     V_Y,
 )
-from push_dynamics.support_friction import (
-    augmented_mass, AugmentedMass, Velocity, velocity_of,
-)
+from push_dynamics.support_friction import augmented_mass, AugmentedMass, velocity_of
 
 # Change of the velocity [m/s] at which the iteration ends: chosen, a thousandth of a millimetre
 # per second, far below what a pose sensor sees.
@@ -61,26 +59,26 @@ def creep_speed(body: Any, surface: SurfaceVelocity) -> float:
 
 
 @compiled
-def constrained_velocity(state: Any, body: Any, augmented: AugmentedMass,
-                         contact: ContactGeometry, surface: SurfaceVelocity,
+def constrained_velocity(state: Any, body: Any, augmented: AugmentedMass, middle: MiddleOfStep,
                          mode: int) -> tuple[Velocity, ContactImpulse]:
     """
     Compute the velocity for given friction weights, with the contact solved.
 
     :return: velocity; ``ContactImpulse``.
     """
-    n_x, n_y, arm_n, arm_t = contact
+    surface = middle.surface
+    n_x, n_y, arm_n, arm_t = middle.contact
     v_x, v_y, omega = velocity_of(augmented, body[MASS] * state[V_X], body[MASS] * state[V_Y],
                                   body[INERTIA] * state[OMEGA])
     # Velocity per normal and per tangential impulse.
     a_x, a_y, a_omega = velocity_of(augmented, n_x, n_y, arm_n)
     b_x, b_y, b_omega = velocity_of(augmented, -n_y, n_x, arm_t)
-    impulse = contact_impulse(
+    equations = ContactEquations(
         n_x * a_x + n_y * a_y + arm_n * a_omega, n_x * b_x + n_y * b_y + arm_n * b_omega,
         n_x * b_y - n_y * b_x + arm_t * b_omega,
         surface.required - (n_x * v_x + n_y * v_y + arm_n * omega),
-        surface.tangential - (n_x * v_y - n_y * v_x + arm_t * omega), body[CONTACT_FRICTION],
-        mode, creep_speed(body, surface))
+        surface.tangential - (n_x * v_y - n_y * v_x + arm_t * omega))
+    impulse = contact_impulse(equations, body[CONTACT_FRICTION], mode, creep_speed(body, surface))
     normal, tangential = impulse.normal, impulse.tangential
     velocity = Velocity(v_x + normal * a_x + tangential * b_x,
                         v_y + normal * a_y + tangential * b_y,
@@ -89,8 +87,8 @@ def constrained_velocity(state: Any, body: Any, augmented: AugmentedMass,
 
 
 @compiled
-def iterate(state: Any, body: Any, supports: Any, c: float, s: float, h: float, guess: Velocity,
-            contact: ContactGeometry, surface: SurfaceVelocity, mode: int) -> StepSolution:
+def iterate(state: Any, body: Any, supports: Any, middle: MiddleOfStep, guess: Velocity,
+            mode: int) -> StepSolution:
     """
     Iterate on the friction weights.
 
@@ -104,8 +102,8 @@ def iterate(state: Any, body: Any, supports: Any, c: float, s: float, h: float, 
     while count < MAX_ITERATIONS and change > CONVERGED:
         count += 1
         weight_velocity = velocity
-        augmented = augmented_mass(body, supports, c, s, h, weight_velocity)
-        velocity, impulse = constrained_velocity(state, body, augmented, contact, surface, mode)
+        augmented = augmented_mass(body, supports, middle.c, middle.s, middle.h, weight_velocity)
+        velocity, impulse = constrained_velocity(state, body, augmented, middle, mode)
         change = math.sqrt((velocity.v_x - weight_velocity.v_x) ** 2
                            + (velocity.v_y - weight_velocity.v_y) ** 2
                            + gyration_squared * (velocity.omega - weight_velocity.omega) ** 2)
@@ -113,8 +111,8 @@ def iterate(state: Any, body: Any, supports: Any, c: float, s: float, h: float, 
 
 
 @compiled
-def solve(state: Any, body: Any, supports: Any, c: float, s: float, h: float, guess: Velocity,
-          contact: ContactGeometry, surface: SurfaceVelocity) -> StepSolution:
+def solve(state: Any, body: Any, supports: Any, middle: MiddleOfStep,
+          guess: Velocity) -> StepSolution:
     """
     Solve for the velocity at the end of the step.
 
@@ -125,22 +123,23 @@ def solve(state: Any, body: Any, supports: Any, c: float, s: float, h: float, gu
     :return: ``StepSolution``; after imposed modes the residual includes the violation of the
         contact law.
     """
-    n_x, n_y, arm_n, arm_t = contact
+    surface = middle.surface
+    n_x, n_y, arm_n, arm_t = middle.contact
     count = 0
     best = StepSolution(guess, guess, ContactImpulse(0.0, 0.0, SEPARATE), 0, math.inf)
     for mode in range(ANY_MODE, MODE_COUNT):
-        found = iterate(state, body, supports, c, s, h, guess, contact, surface, mode)
-        residual = found.residual
+        solution = iterate(state, body, supports, middle, guess, mode)
+        residual = solution.residual
         if mode == ANY_MODE and residual <= CONVERGED:
-            return found
-        count += found.iterations
+            return solution
+        count += solution.iterations
         if mode != ANY_MODE:
-            v_x, v_y, omega = found.velocity
+            v_x, v_y, omega = solution.velocity
             missing = surface.required - (n_x * v_x + n_y * v_y + arm_n * omega)
             slip = n_x * v_y - n_y * v_x + arm_t * omega - surface.tangential
-            residual += law_violation(found.impulse, missing, slip, body[CONTACT_FRICTION],
+            residual += law_violation(solution.impulse, missing, slip, body[CONTACT_FRICTION],
                                       body[MASS], creep_speed(body, surface))
         if mode == ANY_MODE or residual < best.residual:
-            best = StepSolution(found.velocity, found.weight_velocity, found.impulse, count,
-                                residual)
+            best = StepSolution(solution.velocity, solution.weight_velocity, solution.impulse,
+                                count, residual)
     return StepSolution(best.velocity, best.weight_velocity, best.impulse, count, best.residual)

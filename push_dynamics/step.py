@@ -4,31 +4,29 @@ One step of object and robot: implicit, on velocity level, without springs or pe
 The geometry is taken at the predicted middle of the step, and the gap carried back from there to
 its start; this leaves neither drift nor an error of first order.
 
-Arguments have the same meaning in every function: ``state`` and ``body`` are numbers in the order
-of ``layout``, ``supports`` rows in that order, ``outline`` the vertices [m], ``floor`` the patches
-of ``floor.floor_rows``, ``forces`` the friction on each support (x, y, x, y, ...) [N] that is
-written, or none where neither that nor energies are asked for, ``command`` the (v_x, v_y, omega)
-asked of the robot, ``drive`` its lag and limits, ``h`` the step [s].
+Arguments have the same meaning in every function: ``world`` is object and robot, ``state`` and
+``body`` are arrays of it, ``h`` is the step [s].
 """
 
 import math
-from typing import Any, NamedTuple
+from typing import Any
 
 from push_dynamics.actuation import chord_velocity, track_command, TrackedCommand
 from push_dynamics.compiled import compiled
 from push_dynamics.contact_law import (
-    ContactGeometry, nearest_points, surface_velocity, SurfaceVelocity,
+    ContactGeometry, MiddleOfStep, nearest_points, surface_velocity, SurfaceVelocity, Velocity,
 )
 from push_dynamics.floor import set_local_capacities
 from push_dynamics.layout import (
     A_OMEGA, A_X, A_Y, COM_X, COM_Y, CONTACT_LOSS, DISC_RADIUS, IMPACT_LOSS, INERTIA,
     INTEGRATION_LOSS, ITERATIONS, MASS, MODE, NORMAL_FORCE, OMEGA, ROBOT_OMEGA, ROBOT_RADIUS,
     ROBOT_THETA, ROBOT_V_X, ROBOT_V_Y, ROBOT_X, ROBOT_Y, SEPARATE, STEPS, SUPPORT_LOSS,
-    TANGENTIAL_FORCE, THETA, UNSOLVED_STEPS, V_X, V_Y, WORK, X, Y,
+    TANGENTIAL_FORCE, THETA, UNSOLVED_STEPS, V_X, V_Y, WORK, World, X, Y,
 )
 from push_dynamics.load_transfer import solve_with_loads, transfers_loads
 from push_dynamics.solver import solve, StepSolution
-from push_dynamics.support_friction import Velocity, write_friction_forces
+from push_dynamics.support_friction import write_friction_forces
+from push_model.geometry import Pose
 
 # Gap that counts as none [m], chosen a little above the rounding errors of world coordinates of
 # some metres: a robot that touches without moving must not push the object by them.
@@ -42,64 +40,48 @@ REST_SPEED = 1e-20
 STEP_ROUNDING = 1e-9
 
 
-class MiddleOfStep(NamedTuple):
-    """
-    Contact in the predicted middle of a step.
-
-    :param c: cosine of the object's orientation.
-    :param s: sine of it.
-    :param contact: ``ContactGeometry``.
-    :param surface: ``SurfaceVelocity``.
-    """
-
-    c: float
-    s: float
-    contact: ContactGeometry
-    surface: SurfaceVelocity
-
-
 @compiled
 def middle_of_step(state: Any, body: Any, outline: Any, guess: Velocity, robot: Velocity,
                    h: float) -> MiddleOfStep:
     """
     Find the contact in the middle of the step, for a predicted velocity.
 
-    :param guess: predicted ``Velocity`` of the object.
-    :param robot: mean ``Velocity`` of the robot over the step, world axes.
-    :return: ``MiddleOfStep``.
+    :param guess: predicted velocity of the object.
+    :param robot: mean velocity of the robot over the step, world axes.
     """
     x, y = state[X] + 0.5 * h * guess.v_x, state[Y] + 0.5 * h * guess.v_y
     theta = state[THETA] + 0.5 * h * guess.omega
     c, s = math.cos(theta), math.sin(theta)
-    p_x, p_y = state[ROBOT_X] + 0.5 * h * robot.v_x, state[ROBOT_Y] + 0.5 * h * robot.v_y
-    n_x, n_y, c_x, c_y, gap = nearest_points(
-        outline, body[DISC_RADIUS], body[ROBOT_RADIUS], x - c * body[COM_X] + s * body[COM_Y],
-        y - s * body[COM_X] - c * body[COM_Y], theta, p_x, p_y,
-        state[ROBOT_THETA] + 0.5 * h * robot.omega)
+    pose = Pose(x - c * body[COM_X] + s * body[COM_Y], y - s * body[COM_X] - c * body[COM_Y],
+                theta)
+    robot_pose = Pose(state[ROBOT_X] + 0.5 * h * robot.v_x, state[ROBOT_Y] + 0.5 * h * robot.v_y,
+                      state[ROBOT_THETA] + 0.5 * h * robot.omega)
+    nearest = nearest_points(outline, body[DISC_RADIUS], body[ROBOT_RADIUS], pose, robot_pose)
+    n_x, n_y, c_x, c_y, gap = nearest
     arm_n = (c_x - x) * n_y - (c_y - y) * n_x
     arm_t = (c_x - x) * n_x + (c_y - y) * n_y
-    u_n, u_t = surface_velocity(body[ROBOT_RADIUS], n_x, n_y, c_x - p_x, c_y - p_y, robot.v_x,
-                                robot.v_y, robot.omega)
+    u_n, u_t = surface_velocity(body[ROBOT_RADIUS], nearest, robot_pose, robot)
     gap -= 0.5 * h * (n_x * guess.v_x + n_y * guess.v_y + arm_n * guess.omega - u_n)
     if abs(gap) < ROUNDING:
         gap = 0.0
-    return MiddleOfStep(c, s, ContactGeometry(n_x, n_y, arm_n, arm_t),
+    return MiddleOfStep(h, c, s, ContactGeometry(n_x, n_y, arm_n, arm_t),
                         SurfaceVelocity(u_n, u_n - gap / h, u_t))
 
 
 @compiled
-def add_energies(state: Any, body: Any, guess: Velocity, contact: ContactGeometry,
-                 surface: SurfaceVelocity, solution: StepSolution, support_loss: float) -> None:
+def add_energies(state: Any, body: Any, middle: MiddleOfStep, guess: Velocity,
+                 solution: StepSolution, support_loss: float) -> None:
     """
     Add the energies of a step: work of the robot = kinetic energy + losses, exactly.
 
     An implicit step takes every change of velocity for inelastic, ``(v - v_0)^T M (v - v_0) / 2``.
     What the acceleration of the last step does not predict is a jump, and costs the same with the
-    jump in place of the change: an impact. The rest, of first order, is the step's own. So is what
-    the contact takes along the normal, but for the step that closes a gap: there it is the
+    jump in place of the change: an impact. The remainder, of first order, is the step's own. So is
+    what the contact takes along the normal, but for the step that closes a gap: there it is the
     impact's.
     """
-    n_x, n_y, arm_n, arm_t = contact
+    surface = middle.surface
+    n_x, n_y, arm_n, arm_t = middle.contact
     v_x, v_y, omega = solution.velocity
     impulse = solution.impulse
     work = impulse.normal * surface.normal + impulse.tangential * surface.tangential
@@ -146,7 +128,7 @@ def rests_out_of_reach(state: Any, body: Any, outline: Any, robot: Velocity, h: 
     """
     Tell whether the object rests where the robot cannot touch it within the step.
 
-    :param robot: mean ``Velocity`` of the robot over the step, world axes.
+    :param robot: mean velocity of the robot over the step, world axes.
     """
     for i in range(V_X, A_OMEGA + 1):
         if state[i] != 0.0:
@@ -171,8 +153,7 @@ def move_robot(state: Any, tracked: TrackedCommand, robot: Velocity, h: float) -
     """
     Write pose and velocity of the robot at the end of the step.
 
-    :param tracked: ``TrackedCommand``.
-    :param robot: mean ``Velocity`` of the robot over the step, world axes.
+    :param robot: mean velocity of the robot over the step, world axes.
     """
     state[ROBOT_X] += h * robot.v_x
     state[ROBOT_Y] += h * robot.v_y
@@ -183,9 +164,9 @@ def move_robot(state: Any, tracked: TrackedCommand, robot: Velocity, h: float) -
 
 
 @compiled
-def step(state: Any, body: Any, supports: Any, outline: Any, floor: Any, forces: Any,
-         command: Any, drive: Any, h: float) -> None:
+def step(world: World, h: float) -> None:
     """Move object and robot by one step, in place."""
+    state, body, supports, outline, floor, forces, drive, command = world
     tracked = track_command(state[ROBOT_V_X], state[ROBOT_V_Y], state[ROBOT_OMEGA], command, drive,
                             h)
     u_x, u_y = chord_velocity(state[ROBOT_THETA], tracked.mean_x, tracked.mean_y,
@@ -202,18 +183,18 @@ def step(state: Any, body: Any, supports: Any, outline: Any, floor: Any, forces:
         return
     guess = Velocity(state[V_X] + h * state[A_X], state[V_Y] + h * state[A_Y],
                      state[OMEGA] + h * state[A_OMEGA])
-    c, s, contact, surface = middle_of_step(state, body, outline, guess, robot, h)
+    middle = middle_of_step(state, body, outline, guess, robot, h)
     if len(floor) > 0:
         set_local_capacities(floor, supports, state[X] + 0.5 * h * guess.v_x,
-                             state[Y] + 0.5 * h * guess.v_y, c, s)
+                             state[Y] + 0.5 * h * guess.v_y, middle.c, middle.s)
     if transfers_loads(body):
-        solution = solve_with_loads(state, body, supports, c, s, h, guess, contact, surface)
+        solution = solve_with_loads(state, body, supports, middle, guess)
     else:
-        solution = solve(state, body, supports, c, s, h, guess, contact, surface)
+        solution = solve(state, body, supports, middle, guess)
     if len(forces) > 0:
-        power = write_friction_forces(forces, body, supports, c, s, solution.weight_velocity,
-                                      solution.velocity)
-        add_energies(state, body, guess, contact, surface, solution, h * power)
+        power = write_friction_forces(forces, body, supports, middle,
+                                      solution.weight_velocity, solution.velocity)
+        add_energies(state, body, middle, guess, solution, h * power)
     move_object(state, solution, h)
     move_robot(state, tracked, robot, h)
     state[ITERATIONS] += solution.iterations
@@ -233,9 +214,8 @@ def step_count(duration: float, longest: float) -> int:
 
 
 @compiled
-def advance(state: Any, body: Any, supports: Any, outline: Any, floor: Any, forces: Any,
-            command: Any, drive: Any, duration: float, longest: float) -> None:
+def advance(world: World, duration: float, longest: float) -> None:
     """Take equal steps, none above ``longest`` [s], that end exactly after ``duration`` [s]."""
     count = step_count(duration, longest)
     for _ in range(count):
-        step(state, body, supports, outline, floor, forces, command, drive, duration / count)
+        step(world, duration / count)

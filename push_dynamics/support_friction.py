@@ -10,17 +10,10 @@ translation.
 from typing import Any, NamedTuple
 
 from push_dynamics.compiled import compiled, friction_weight
+from push_dynamics.contact_law import MiddleOfStep, Velocity
 from push_dynamics.layout import (
     CAPACITY, INERTIA, LOAD_RATIO, MASS, SMOOTHING_SPEED, SUPPORT_X, SUPPORT_Y,
 )
-
-
-class Velocity(NamedTuple):
-    """Velocity (v_x, v_y) [m/s] of the mass centre, world axes, and yaw rate omega [rad/s]."""
-
-    v_x: float
-    v_y: float
-    omega: float
 
 
 class AugmentedMass(NamedTuple):
@@ -51,7 +44,6 @@ def augmented_mass(body: Any, supports: Any, c: float, s: float, h: float,
     :param s: sine of it.
     :param h: step [s].
     :param velocity: ``Velocity`` that the weights belong to.
-    :return: ``AugmentedMass``.
     """
     mass, inertia, b_x, b_y = body[MASS], body[INERTIA], 0.0, 0.0
     for i in range(len(supports)):
@@ -72,11 +64,9 @@ def velocity_of(augmented: AugmentedMass, p_x: float, p_y: float, spin: float) -
     """
     Compute the velocity that a momentum gives.
 
-    :param augmented: ``AugmentedMass``.
     :param p_x: momentum, x [N s].
     :param p_y: momentum, y [N s].
     :param spin: angular momentum about the mass centre [N m s].
-    :return: ``Velocity``.
     """
     mass, b_x, b_y, inertia = augmented
     omega = (spin - (b_x * p_x + b_y * p_y) / mass) / inertia
@@ -84,19 +74,18 @@ def velocity_of(augmented: AugmentedMass, p_x: float, p_y: float, spin: float) -
 
 
 @compiled
-def write_friction_forces(forces: Any, body: Any, supports: Any, c: float, s: float,
+def write_friction_forces(forces: Any, body: Any, supports: Any, middle: MiddleOfStep,
                           weight_velocity: Velocity, velocity: Velocity) -> float:
     """
     Write the friction on each support, and return the power that it dissipates [W].
 
-    :param forces: friction on each support (x, y, x, y, ...) [N], shape (2 k,): is written.
-    :param body: numbers in the order of ``layout``.
+    :param forces: friction on each support (x, y, x, y, ...) [N], shape (2 k,), is written.
+    :param body: values in the order of ``layout``.
     :param supports: rows in the order of ``layout``, shape (k, 8).
-    :param c: cosine of the object's orientation.
-    :param s: sine of it.
-    :param weight_velocity: ``Velocity`` that the friction weights belong to.
-    :param velocity: ``Velocity`` that they act on.
+    :param weight_velocity: that the friction weights belong to.
+    :param velocity: that they act on.
     """
+    c, s = middle.c, middle.s
     power = 0.0
     for i in range(len(supports)):
         s_x, s_y = supports[i][SUPPORT_X], supports[i][SUPPORT_Y]

@@ -5,6 +5,8 @@ Each version of the sources has a directory of its own there, so that former one
 directory that is asked for gets the present time; once a day whoever asks removes those for which
 nobody has asked in 30 days. Each is renamed first, so that other processes see all of it or
 nothing; what one that has run for so long still needs it makes anew.
+
+Whether others can write to the cache is checked in ``push_dynamics.private_folder``.
 """
 
 import contextlib
@@ -13,12 +15,12 @@ import pathlib
 import re
 import shutil
 
-from push_dynamics.reservation import reserved
+from push_dynamics.private_folder import PrivateFolder, warn_once
 
 DAY = 86400.0
 # Time for which an unused directory is kept [s]; chosen: whoever alternates between versions, or
 # comes back from a holiday, does not compile anew.
-KEPT_TIME = 30.0 * DAY
+RETENTION_TIME = 30.0 * DAY
 # Time between two looks for unused directories [s]; chosen: they come with new versions.
 PRUNING_PERIOD = DAY
 # File whose time is that of the last look.
@@ -28,33 +30,37 @@ REMOVED = '.removed-'
 REMOVABLE = re.compile(f'[0-9a-f]{{16}}|{re.escape(REMOVED)}.*')
 
 
-def user_cache(name: str) -> str | None:
+def user_cache(name: str) -> PrivateFolder | None:
     """
-    Return a directory of the cache, made if need be; None where it cannot be written to.
+    Return a folder of the cache, made if need be; None, with a warning, where there can be none.
 
     It lies in ``NUMBA_CACHE_DIR``, else ``XDG_CACHE_HOME``, else ``~/.cache``.
 
-    :param name: of the directory.
+    :param name: of the folder.
     """
     root = os.environ.get('NUMBA_CACHE_DIR') or os.environ.get('XDG_CACHE_HOME')
     if not root:
         home = os.path.expanduser('~')
         root = os.path.join(home, '.cache')
-    path = pathlib.Path(root) / 'push_control' / name
+    path = pathlib.Path(root) / 'push_control'
     unused: list[pathlib.Path] = []
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
+        folder = PrivateFolder(path)
         # Nobody sets a directory aside that another process is about to use.
-        with reserved(path.parent / PRUNED):
-            path.mkdir(exist_ok=True)
-            os.utime(path)
+        with folder.reserved(PRUNED):
+            version = PrivateFolder(folder.path / name)
+            # A cache on a disk that is read-only is read.
             with contextlib.suppress(OSError):
-                unused = _set_unused_aside(path.parent, path.stat().st_mtime)
-    except OSError:
+                os.utime(version.path)
+                unused = _set_unused_aside(folder.path, version.path.stat().st_mtime)
+    except OSError as error:
+        reason = f'{path}: {error.strerror}' if error.strerror else str(error)
+        warn_once(f'{reason}: without a cache, compiled code and tables of pushes are made again '
+                  'at each start')
         return None
-    for former in unused:
-        shutil.rmtree(former, ignore_errors=True)
-    return str(path) if os.access(path, os.W_OK) else None
+    for unused_path in unused:
+        shutil.rmtree(unused_path, ignore_errors=True)
+    return version
 
 
 def _set_unused_aside(folder: pathlib.Path, now: float) -> list[pathlib.Path]:
@@ -67,7 +73,7 @@ def _set_unused_aside(folder: pathlib.Path, now: float) -> list[pathlib.Path]:
     for path in sorted(folder.iterdir()):
         # Another process may be removing it.
         with contextlib.suppress(OSError):
-            if REMOVABLE.fullmatch(path.name) and now - path.stat().st_mtime > KEPT_TIME:
+            if REMOVABLE.fullmatch(path.name) and now - path.stat().st_mtime > RETENTION_TIME:
                 unused.append(path.rename(
                     path.with_name(REMOVED + path.name.removeprefix(REMOVED))))
     return unused

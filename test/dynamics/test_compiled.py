@@ -2,10 +2,14 @@
 
 import os
 import pathlib
+import pickle
+import shutil
 import subprocess
 import sys
 
+from helpers.disk import full_disk
 from push_dynamics.compiled import IS_COMPILED
+from push_dynamics.private_folder import PrivateFolder
 import pytest
 
 MODULE = """
@@ -35,6 +39,120 @@ import power
 print(power.power_of_even(2.0, 4), power.power(2.0, 10),
       len(power.power_of_even.inner_dispatcher.overloads))
 """
+
+USED = """
+import power
+print(power.power(2.0, 10), sum(dispatcher.stats.cache_misses.total() for dispatcher in (
+    power.power.dispatcher, power.power_of_even.inner_dispatcher)))
+"""
+
+
+class Attack:
+    """A pickled object that makes a file when it is loaded."""
+
+    def __init__(self, path):
+        self.path = path
+
+    def __reduce__(self):
+        return pathlib.Path.touch, (self.path,)
+
+
+@pytest.fixture(scope='module')
+def compiled_once(tmp_path_factory):
+    """Compile ``MODULE``, and keep a copy of its machine code."""
+    folder = tmp_path_factory.mktemp('compiled')
+    (folder / 'power.py').write_text(MODULE)
+    assert run(folder).stdout.split() == ['1024.0', '2']
+    shutil.copytree(folder / 'cache', folder / 'whole')
+    return folder
+
+
+@pytest.fixture
+def power_cache(compiled_once):
+    """Fill the cache with that machine code."""
+    shutil.rmtree(compiled_once / 'cache', ignore_errors=True)
+    shutil.copytree(compiled_once / 'whole', compiled_once / 'cache')
+    return compiled_once
+
+
+def run(folder):
+    """Call what is compiled; print the result, and how many functions were not in the cache."""
+    environment = {**os.environ, 'NUMBA_CACHE_DIR': str(folder / 'cache'),
+                   'PYTHONPATH': os.pathsep.join([str(folder), *sys.path])}
+    return subprocess.run([sys.executable, '-c', USED], env=environment, text=True,
+                          capture_output=True, check=True)
+
+
+def contents(folder):
+    """List the files of a cache that are not empty."""
+    return [path for path in sorted((folder / 'cache').rglob('*'))
+            if path.is_file() and path.stat().st_size]
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not IS_COMPILED, reason='numba is not installed')
+@pytest.mark.parametrize('damage', [
+    lambda content: b'',
+    lambda content: content[:20],
+    lambda content: content[:len(content) // 2],
+    lambda content: content[:-1],
+    lambda content: bytes([content[0] ^ 1]) + content[1:],
+    lambda content: content[:-300] + bytes([content[-300] ^ 64]) + content[-299:],
+], ids=['empty', 'short', 'half', 'all but a byte', 'first byte', 'a byte of code'])
+def test_machine_code_that_is_spoilt_is_made_again(power_cache, damage):
+    """In every file, and once."""
+    for path in contents(power_cache):
+        path.write_bytes(damage(path.read_bytes()))
+    assert run(power_cache).stdout.split() == ['1024.0', '2']
+    assert run(power_cache).stdout.split() == ['1024.0', '0']
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not IS_COMPILED, reason='numba is not installed')
+def test_an_object_of_others_in_the_cache_is_not_loaded(power_cache, tmp_path):
+    """In place of a file, by whoever could write to it once."""
+    for path in contents(power_cache):
+        path.write_bytes(pickle.dumps(Attack(tmp_path / 'attacked')))
+    assert run(power_cache).stdout.split() == ['1024.0', '2']
+    assert not (tmp_path / 'attacked').exists()
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not IS_COMPILED, reason='numba is not installed')
+def test_nothing_is_loaded_from_a_cache_that_others_may_write_to(power_cache, tmp_path):
+    """Even with digests that fit; the program goes on without a cache, and says so once."""
+    for path in contents(power_cache):
+        PrivateFolder(path.parent).write(path.name, pickle.dumps(Attack(tmp_path / 'attacked')))
+    (power_cache / 'cache').chmod(0o777)
+    done = run(power_cache)
+    assert done.stdout.split() == ['1024.0', '2']
+    assert not (tmp_path / 'attacked').exists()
+    assert done.stderr.count('others may write to it') == 1
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not IS_COMPILED, reason='numba is not installed')
+@pytest.mark.skipif(os.geteuid() != 0, reason='only the superuser makes folders of others')
+def test_nothing_is_loaded_from_a_cache_of_another_user(power_cache, tmp_path):
+    """Even with digests that fit, by the superuser least of all."""
+    for path in contents(power_cache):
+        PrivateFolder(path.parent).write(path.name, pickle.dumps(Attack(tmp_path / 'attacked')))
+    os.chown(power_cache / 'cache' / 'push_control', 65534, -1)
+    done = run(power_cache)
+    assert done.stdout.split() == ['1024.0', '2']
+    assert not (tmp_path / 'attacked').exists()
+    assert done.stderr.count('of user 65534') == 1
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not IS_COMPILED, reason='numba is not installed')
+def test_a_full_disk_is_no_cache(power_cache):
+    """The program goes on and says so once."""
+    shutil.rmtree(power_cache / 'cache')
+    with full_disk(100):
+        done = run(power_cache)
+    assert done.stdout.split() == ['1024.0', '2']
+    assert done.stderr.count('File too large') == 1
 
 
 @pytest.mark.slow

@@ -6,7 +6,8 @@ from helpers.objects import box
 import numpy as np
 from push_dynamics.compiled import kernel_array
 from push_dynamics.contact_law import (
-    contact_impulse, ContactImpulse, law_violation, nearest_points, surface_velocity,
+    contact_impulse, ContactEquations, ContactImpulse, ContactPoint, law_violation,
+    nearest_points, surface_velocity, Velocity,
 )
 from push_dynamics.encoding import NO_OUTLINE
 from push_dynamics.layout import ANY_MODE, SEPARATE, SLIDE_LEFT, SLIDE_RIGHT, STICK
@@ -19,18 +20,24 @@ OUTLINE = box(0.4).outline
 
 
 def cases(count=2000, seed=1, largest_friction=3.0):
-    """Draw (w_nn, w_nt, w_tt, need_n, need_t, friction coefficient), W positive definite."""
+    """Draw ``ContactEquations`` and a friction coefficient."""
     rng = np.random.default_rng(seed)
     for _ in range(count):
         root = rng.normal(size=(2, 2))
         w = root @ root.T + 0.05 * np.eye(2)
         need_n, need_t = rng.normal(size=2)
-        yield w[0, 0], w[0, 1], w[1, 1], need_n, need_t, rng.uniform(0.0, largest_friction)
+        yield (ContactEquations(w[0, 0], w[0, 1], w[1, 1], need_n, need_t),
+               rng.uniform(0.0, largest_friction))
+
+
+def mirrored(equations):
+    """Return the equations as seen in a mirror along the normal."""
+    return equations._replace(w_nt=-equations.w_nt, need_t=-equations.need_t)
 
 
 def violation_of(case, impulse):
     """Return how far an impulse is from the law, for an object of 1 kg."""
-    w_nn, w_nt, w_tt, need_n, need_t, friction = case
+    (w_nn, w_nt, w_tt, need_n, need_t), friction = case
     missing = need_n - w_nn * impulse.normal - w_nt * impulse.tangential
     slip = w_nt * impulse.normal + w_tt * impulse.tangential - need_t
     return law_violation(impulse, missing, slip, friction, 1.0)
@@ -38,7 +45,7 @@ def violation_of(case, impulse):
 
 def iterated(case, sweeps=3000):
     """Return (normal, tangential) impulse by projected Gauss-Seidel iteration."""
-    w_nn, w_nt, w_tt, need_n, need_t, friction = case
+    (w_nn, w_nt, w_tt, need_n, need_t), friction = case
     normal = tangential = 0.0
     for _ in range(sweeps):
         normal = max(0.0, (need_n - w_nt * tangential) / w_nn)
@@ -63,7 +70,7 @@ def test_closed_form_is_what_iteration_finds():
     """Where coupling and friction are weak enough for one solution."""
     compared = 0
     for case in cases(400, seed=2, largest_friction=0.8):
-        w_nn, w_nt, w_tt, need_n, _, friction = case
+        (w_nn, w_nt, w_tt, need_n, _), friction = case
         if need_n <= 0.0 or friction * abs(w_nt) > 0.5 * w_nn or w_nt ** 2 > 0.5 * w_nn * w_tt:
             continue
         impulse = contact_impulse(*case, ANY_MODE)
@@ -83,9 +90,9 @@ def test_imposed_modes_include_the_one_that_the_law_selects():
 
 
 def test_mirrored_world_has_the_mirrored_impulse():
-    for w_nn, w_nt, w_tt, need_n, need_t, friction in cases(500, seed=4):
-        one = contact_impulse(w_nn, w_nt, w_tt, need_n, need_t, friction, ANY_MODE)
-        two = contact_impulse(w_nn, -w_nt, w_tt, need_n, -need_t, friction, ANY_MODE)
+    for equations, friction in cases(500, seed=4):
+        one = contact_impulse(equations, friction, ANY_MODE)
+        two = contact_impulse(mirrored(equations), friction, ANY_MODE)
         assert two.mode == MIRRORED[one.mode]
         assert two.normal == one.normal and two.tangential == -one.tangential
 
@@ -93,7 +100,7 @@ def test_mirrored_world_has_the_mirrored_impulse():
 def test_a_robot_at_rest_makes_no_energy():
     """The kinetic energy changes by l.u + l.W l / 2, u being the velocity before the impulse."""
     for case in cases(seed=5):
-        w_nn, w_nt, w_tt, need_n, need_t, _ = case
+        (w_nn, w_nt, w_tt, need_n, need_t), _ = case
         normal, tangential, _ = contact_impulse(*case, ANY_MODE)
         change = (-need_n * normal - need_t * tangential
                   + 0.5 * (w_nn * normal ** 2 + w_tt * tangential ** 2)
@@ -105,7 +112,7 @@ def test_a_contact_that_creeps_slips_in_proportion_to_its_force():
     """``slip = creep l_t / (mu_c l_n)`` inside the cone; at its edge the surfaces slide."""
     met, rng = set(), np.random.default_rng(8)
     for case in cases(seed=8):
-        w_nn, w_nt, w_tt, need_n, need_t, friction = case
+        (w_nn, w_nt, w_tt, need_n, need_t), friction = case
         creep = rng.uniform(0.01, 0.5)
         normal, tangential, mode = contact_impulse(*case, ANY_MODE, creep)
         slip = need_t - w_nt * normal - w_tt * tangential
@@ -137,9 +144,9 @@ def test_little_creep_is_nearly_none():
 
 
 def test_creep_is_the_same_in_a_mirror():
-    for w_nn, w_nt, w_tt, need_n, need_t, friction in cases(500, 10):
-        one = contact_impulse(w_nn, w_nt, w_tt, need_n, need_t, friction, ANY_MODE, 0.1)
-        two = contact_impulse(w_nn, -w_nt, w_tt, need_n, -need_t, friction, ANY_MODE, 0.1)
+    for equations, friction in cases(500, 10):
+        one = contact_impulse(equations, friction, ANY_MODE, 0.1)
+        two = contact_impulse(mirrored(equations), friction, ANY_MODE, 0.1)
         assert (two.normal, two.tangential) == pytest.approx((one.normal, -one.tangential))
         assert two.mode == MIRRORED[one.mode]
 
@@ -171,7 +178,7 @@ def test_nearest_points_are_the_nearest_of_a_sampled_outline(outline, disc_radiu
         pose = Pose(*rng.uniform(-1.0, 1.0, 2), rng.uniform(-3.0, 3.0))
         heading, bearing = rng.uniform(-3.0, 3.0, 2)
         robot = Pose(pose.x + 0.6 * math.cos(bearing), pose.y + 0.6 * math.sin(bearing), heading)
-        found = nearest_points(kernel_array(outline), disc_radius, robot_radius, *pose, *robot)
+        found = nearest_points(kernel_array(outline), disc_radius, robot_radius, pose, robot)
         points = np.column_stack(pose.transform(local.T))
         normal = np.array([found.n_x, found.n_y])
         assert np.hypot(*normal) == pytest.approx(1.0)
@@ -206,5 +213,7 @@ def test_surface_velocity_is_that_of_the_material_of_the_robot(robot_radius):
         moved = Pose(robot.x + time * v_x, robot.y + time * v_y, robot.theta + time * omega)
         local = Pose(0.0, 0.0, -robot.theta).rotate(arm)
         change = (np.array(moved.transform(local)) - robot[:2] - arm) / time
-        found = surface_velocity(robot_radius, n_x, n_y, *arm, v_x, v_y, omega)
+        found = surface_velocity(
+            robot_radius, ContactPoint(n_x, n_y, robot.x + arm[0], robot.y + arm[1], 0.0), robot,
+            Velocity(v_x, v_y, omega))
         assert found == pytest.approx((change @ (n_x, n_y), change @ (-n_y, n_x)), abs=1e-5)

@@ -1,11 +1,42 @@
 """Machine code of casadi functions: the same numbers as casadi's, row by row."""
 
+import os
+import subprocess
+import sys
 from typing import Any
 
 import casadi as ca
 import numpy as np
 from push_dynamics.machine_code import RowFunction, RowSequence
 import pytest
+
+# Machine code from files of which much has gone wrong, one after the other.
+SPOILT = """
+import pathlib, sys
+import casadi as ca
+import numpy as np
+from push_dynamics.machine_code import RowFunction
+
+def evaluate():
+    x = ca.SX.sym('x')
+    results = np.zeros((3, 1))
+    RowFunction(ca.Function('f', [x], [ca.sin(x) + x ** 2], ['x'], ['results'])).bind(
+        {'x': np.array([[1.0], [2.0], [3.0]]), 'results': results})()
+    return results.tolist()
+
+expected = evaluate()
+files = list(pathlib.Path(sys.argv[1]).rglob('*.o'))
+whole = [file.read_bytes() for file in files]
+for place in (0.0, 0.01, 0.1, 0.5, 0.9, 0.999):
+    for is_cut in (True, False):
+        for file, content in zip(files, whole):
+            k = int(place * len(content))
+            file.write_bytes(content[:k] if is_cut else
+                             content[:k] + bytes([content[k] ^ 255]) + content[k + 1:])
+        assert evaluate() == expected, (place, is_cut)
+        assert [file.read_bytes() for file in files] == whole, (place, is_cut)
+print(len(files))
+"""
 
 
 def scalar_function():
@@ -96,3 +127,13 @@ def test_rows_of_another_size_are_refused():
     function = RowFunction(scalar_function())
     with pytest.raises(ValueError, match='x: got shape'):
         function.bind({'x': np.zeros((3, 4)), 'y': np.ones(1), 'results': np.zeros((3, 11))})
+
+
+@pytest.mark.slow
+def test_machine_code_that_is_spoilt_is_made_again(tmp_path):
+    """Cut off or with a wrong byte, in each part of a file; nothing of it is run."""
+    pytest.importorskip('llvmlite')
+    done = subprocess.run([sys.executable, '-c', SPOILT, str(tmp_path)], text=True,
+                          env={**os.environ, 'NUMBA_CACHE_DIR': str(tmp_path),
+                               'PYTHONPATH': os.pathsep.join(sys.path)}, capture_output=True)
+    assert (done.returncode, done.stdout.strip()) == (0, '1'), done.stderr

@@ -7,12 +7,13 @@ from helpers.plant_course import UNEVEN
 import numpy as np
 from push_dynamics import layout
 from push_dynamics.compiled import kernel_array
+from push_dynamics.contact_law import Velocity
 from push_dynamics.encoding import (
-    body_numbers, drive_numbers, encode_velocities, initial_state, NO_OUTLINE, support_rows,
+    body_values, drive_values, encode_velocities, initial_state, NO_OUTLINE, support_rows,
 )
 from push_dynamics.floor import floor_rows, FloorPatch, set_local_capacities
 from push_dynamics.step import advance, step
-from push_dynamics.support_friction import augmented_mass, Velocity, velocity_of
+from push_dynamics.support_friction import augmented_mass, velocity_of
 from push_model.contact import find_contact
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
@@ -36,17 +37,18 @@ class Kernel:
         state = initial_state(obj, object_pose, robot_pose)
         encode_velocities(state, obj.center_of_mass, object_twist, robot_twist)
         self.state = kernel_array(state)
-        self.body = kernel_array(body_numbers(obj, ROBOT, 1e-5))
+        self.body = kernel_array(body_values(obj, ROBOT, 1e-5))
         self.supports = kernel_array(support_rows(obj, obj.capacities,
                                                   [1.0] * len(obj.supports)))
         self.outline = kernel_array(obj.outline or NO_OUTLINE)
         self.forces = kernel_array([0.0] * 2 * len(obj.supports))
         self.command = kernel_array(command)
 
-    def arguments(self, floor=NO_FLOOR):
+    def world(self, floor=NO_FLOOR):
         """Return what ``step`` and ``advance`` take before the duration."""
-        return (self.state, self.body, self.supports, self.outline, kernel_array(floor),
-                self.forces, self.command, kernel_array(drive_numbers(ROBOT)))
+        return layout.World(
+            self.state, self.body, self.supports, self.outline, kernel_array(floor), self.forces,
+            kernel_array(drive_values(ROBOT)), self.command)
 
     def numbers(self, *indices):
         """Return numbers of the state."""
@@ -77,7 +79,7 @@ def random_kernel(obj, rng):
 def test_mass_matrix_with_friction_weights(obj):
     """Against the matrix written out, solved by elimination."""
     rng = np.random.default_rng(1)
-    body = kernel_array(body_numbers(obj, ROBOT, 1e-5))
+    body = kernel_array(body_values(obj, ROBOT, 1e-5))
     supports = support_rows(obj, obj.capacities, [1.0] * len(obj.supports))
     for _ in range(30):
         theta, velocity = rng.uniform(-3.0, 3.0), rng.normal(size=3)
@@ -101,7 +103,7 @@ def test_momentum_is_what_contact_and_supports_give(obj):
         kernel = random_kernel(obj, rng)
         before = kernel.velocity
         pose = Pose(*kernel.numbers(layout.X, layout.Y, layout.THETA))
-        step(*kernel.arguments(), STEP)
+        step(kernel.world(), STEP)
         change = (kernel.velocity - before) * (obj.mass, obj.mass, obj.inertia)
         # Arms are those in the middle of the step.
         rotation = Pose(0.0, 0.0, pose.theta + 0.5 * STEP * before[2])
@@ -129,7 +131,7 @@ def test_impulse_is_inside_the_cone_and_no_energy_is_made(obj):
             return 0.5 * kernel.velocity ** 2 @ (obj.mass, obj.mass, obj.inertia)
 
         before = kinetic()
-        step(*kernel.arguments(), STEP)
+        step(kernel.world(), STEP)
         normal, tangential = kernel.numbers(layout.NORMAL_FORCE, layout.TANGENTIAL_FORCE)
         assert normal >= 0.0
         assert abs(tangential) <= obj.contact_friction_coefficient * normal * (1.0 + 1e-9)
@@ -154,7 +156,7 @@ def test_mirrored_world_takes_the_mirrored_step():
                 kernel = Kernel(obj, Pose(*side * (0.0, 0.0, theta)),
                                 Pose(*side * (-0.45, y, 0.2)), Twist(*side * twist), Twist(),
                                 Twist(*side * command))
-                advance(*kernel.arguments(), 0.3, STEP)
+                advance(kernel.world(), 0.3, STEP)
                 ends.append(kernel)
             poses = [kernel.numbers(layout.X, layout.Y, layout.THETA) for kernel in ends]
             assert poses[1] == pytest.approx(MIRROR * poses[0], abs=1e-7)
@@ -165,12 +167,12 @@ def test_a_duration_is_divided_into_equal_steps():
     """None longer than the longest; a duration that is a whole number of steps takes as many."""
     for duration, steps in ((STEP, 1), (10 * STEP, 10), (2.5 * STEP, 3), (1e-4, 1)):
         kernel = Kernel(box(), Pose(0.0, 0.0, 0.0), Pose(-1.0, 0.0, 0.0))
-        advance(*kernel.arguments(), duration, STEP)
+        advance(kernel.world(), duration, STEP)
         assert kernel.state[layout.STEPS] == steps
     one, many = (Kernel(box(), Pose(0.0, 0.0, 0.0), Pose(-0.37, 0.02, 0.0)) for _ in range(2))
-    advance(*one.arguments(), 4 * STEP, STEP)
+    advance(one.world(), 4 * STEP, STEP)
     for _ in range(4):
-        advance(*many.arguments(), STEP, STEP)
+        advance(many.world(), STEP, STEP)
     assert np.array(many.state) == pytest.approx(np.array(one.state), abs=1e-12)
 
 
@@ -183,7 +185,7 @@ def test_out_of_reach_the_robot_moves_alone(obj):
     for floor in (NO_FLOOR, far_patch):
         kernel = Kernel(obj, Pose(0.0, 0.0, 0.3), Pose(-1.2, 0.05, 0.2),
                         command=Twist(1.5, -0.3, 0.05))
-        advance(*kernel.arguments(floor), 0.7, 10 * STEP)
+        advance(kernel.world(floor), 0.7, 10 * STEP)
         ends.append(kernel)
     counts = [layout.ITERATIONS]
     alone, whole = (np.delete(np.array(kernel.state), counts) for kernel in ends)
@@ -199,10 +201,10 @@ def test_an_object_that_nobody_pushes_comes_to_rest(obj):
     kernel = Kernel(obj, Pose(0.0, 0.0, 0.3), Pose(-9.0, 0.0, 0.0), twist, command=Twist())
     # It slides on for at most v / (mu g), and slows down from there by a factor in every step.
     friction = sum(obj.capacities) / obj.mass
-    advance(*kernel.arguments(), 2.0 * math.hypot(*twist) / friction + 20 * STEP, STEP)
+    advance(kernel.world(), 2.0 * math.hypot(*twist) / friction + 20 * STEP, STEP)
     slid = kernel.numbers(layout.X, layout.Y, layout.THETA)
     assert not kernel.numbers(*range(layout.V_X, layout.A_OMEGA + 1)).any()
-    advance(*kernel.arguments(), 1.0, STEP)
+    advance(kernel.world(), 1.0, STEP)
     assert np.array_equal(kernel.numbers(layout.X, layout.Y, layout.THETA), slid)
 
 
