@@ -2,7 +2,7 @@
 Playback of a recording: the same measurements and plans give the same commands, to the byte.
 
 A recording of a replay in lockstep holds everything that the controller was given. Its
-measurements go once more through safety layer, estimator and controller, in the order in which the
+measurements go once more through safety layer and supervisor, in the order in which the
 simulator delivers them, and plans come when they came; what is commanded is compared with what was
 recorded. Where they differ the controller has changed, or depends on something that it should not:
 time on the wall, the order of other messages, the machine.
@@ -14,15 +14,15 @@ from pathlib import Path
 import struct
 from typing import Any, NamedTuple
 
-from push_control.observation import Observation
-from push_control.push.controller import Controller
 from push_control.ros.measurements import LatestMeasurements
+from push_control.supervision_settings import SupervisionSettings
+from push_control.task.single_push import SinglePushBehaviors
 from push_control.task.supervisor import Supervisor
+from push_model.observation import Observation
 from push_model.signals import ObjectPose, Odometry, STOP, Twist
 from push_model.trajectory import PushTrajectory
-from push_ros.conversions.measurements import (
-    from_object_pose_message, from_odometry_message,
-)
+from push_navigation.settings import DriveSettings
+from push_ros.conversions.measurements import from_object_pose_message, from_odometry_message
 from push_ros.conversions.plan import from_plan_message, plan_failure
 from push_ros.conversions.primitives import NANOSECONDS, nanoseconds
 from push_ros.node_settings import Frames
@@ -47,8 +47,6 @@ class Difference(NamedTuple):
     A command that is not as recorded.
 
     :param time: of the measurement that it answers [s].
-    :param recorded: ``Twist``.
-    :param computed: ``Twist``.
     """
 
     time: float
@@ -95,7 +93,6 @@ def play_back(scenario: Scenario, bag: Path) -> Playback:
 
     :param scenario: the ``Scenario`` that was recorded, without a map.
     :param bag: folder of the recording, made in lockstep.
-    :return: ``Playback``.
     :raises ValueError: where the folder is no recording of such a run, or lacks measurements.
     :raises RuntimeError: where rosbags is not installed.
     """
@@ -159,68 +156,55 @@ class _Robot:
         self._safety = make_safety_layer(scenario)
         self._plans = {message.stamp: message.value for message in plans}
         self._latest = LatestMeasurements()
-        self._target: PushTrajectory | None = None
-        self._later_goals = sorted(() if scenario.task is None else scenario.task.goals,
+        task = scenario.task
+        self._later_goals = sorted(() if task is None else task.goals,
                                    key=lambda later: later.time)
-        self._controller: Controller | Supervisor
-        if scenario.task is None:
-            self._controller = Controller(scenario.object, scenario.robot, scenario.control)
-            self._target = self._plan(min(self._plans, default=None))
+        if task is None:
+            self._supervisor = Supervisor(
+                scenario.object, scenario.robot, scenario.control, DriveSettings(),
+                SupervisionSettings(), factory=SinglePushBehaviors)
+            self._supervisor.drive(self._first_plan())
         else:
-            self._controller = Supervisor(scenario.object, scenario.robot, scenario.control,
-                                          scenario.task.drive, scenario.task.supervision)
-            self._controller.set_goal(scenario.goal.pose)
+            self._supervisor = Supervisor(scenario.object, scenario.robot, scenario.control,
+                                          task.drive, task.supervision)
+            self._supervisor.set_goal(scenario.goal.pose)
 
     def answer(self, measured: Odometry | ObjectPose) -> Twist:
         """Answer a measurement."""
         dt = self._latest.add(measured)
-        while (self._later_goals and self._later_goals[0].time <= self._latest.time
-               and isinstance(self._controller, Supervisor)):
-            self._controller.set_goal(self._later_goals.pop(0).goal.pose)
+        while self._later_goals and self._later_goals[0].time <= self._latest.time:
+            self._supervisor.set_goal(self._later_goals.pop(0).goal.pose)
         observation = self._latest.observation
         if observation is None or observation.object_pose is None:
             return STOP
         return self._step(observation, dt)
 
     def _step(self, observation: Observation, dt: float) -> Twist:
-        safety, controller = self._safety, self._controller
-        if not self._is_commanding:
-            safety.release()
-        observation = safety.believed(observation)
-        fault = safety.observe(observation.odometry)
-        controller.on_safety_report(fault, safety.report)
-        if isinstance(controller, Controller):
-            command = controller.step(self._target, observation, dt)
-            return safety.filter(command, observation.time)
-        command = safety.filter(controller.step(observation, dt), observation.time)
-        if controller.plan_request is None:
+        supervisor = self._supervisor
+        command = self._safety.guard(observation, supervisor,
+                                     lambda believed: supervisor.step(believed, dt),
+                                     is_commanding=not supervisor.state.is_standing)
+        if not supervisor.awaits_plan:
             return command
         # The measurement waits for the plan, while the robot stands.
-        self._take_plan(controller, round(observation.time * NANOSECONDS))
+        self._take_plan(round(observation.time * NANOSECONDS))
         return STOP
 
-    @property
-    def _is_commanding(self) -> bool:
-        controller = self._controller
-        if isinstance(controller, Supervisor):
-            return not controller.status.state.is_standing
-        return not controller.status.phase.has_ended
-
-    def _take_plan(self, supervisor: Supervisor, stamp: int) -> None:
+    def _take_plan(self, stamp: int) -> None:
         message = self._plans.get(stamp)
         if message is None:
             return
         failure = plan_failure(message)
         if failure is None:
-            supervisor.set_plan(from_plan_message(message, Frames().world_frame))
+            self._supervisor.set_plan(from_plan_message(message, Frames().world_frame))
         else:
-            supervisor.on_planning_failed(
+            self._supervisor.on_planning_failed(
                 failure, f'{failure.value} (details in the diagnostics of the planner)')
 
-    def _plan(self, stamp: int | None) -> PushTrajectory:
-        if stamp is None:
+    def _first_plan(self) -> PushTrajectory:
+        if not self._plans:
             raise ValueError('push_plan: got none, expected the plan of a single push')
-        return from_plan_message(self._plans[stamp], Frames().world_frame)
+        return from_plan_message(self._plans[min(self._plans)], Frames().world_frame)
 
 
 def read_messages(bag: Path) -> dict[str, list[StampedMessage]]:
@@ -232,11 +216,11 @@ def read_messages(bag: Path) -> dict[str, list[StampedMessage]]:
     :raises ValueError: where the folder is no recording.
     :raises RuntimeError: where rosbags is not installed.
     """
-    found: dict[str, list[StampedMessage]] = {topic: [] for topic in READ_TOPICS}
+    messages: dict[str, list[StampedMessage]] = {topic: [] for topic in READ_TOPICS}
     with open_bag(bag) as reader:
         for connection, _, data in reader.messages():
             topic = connection.topic.strip('/')
-            if topic in found:
+            if topic in messages:
                 value = deserialize_message(bytes(data), TOPICS[topic].message_type())
-                found[topic].append(StampedMessage(nanoseconds(value.header.stamp), value))
-    return found
+                messages[topic].append(StampedMessage(nanoseconds(value.header.stamp), value))
+    return messages

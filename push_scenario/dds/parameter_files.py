@@ -36,8 +36,6 @@ def write_parameter_files(folder: Path, scenario: Scenario, settings: ControlSet
     Write the parameters: nominal ones for planner and controller, the true ones for the plant.
 
     :param folder: where.
-    :param scenario: the ``Scenario``.
-    :param settings: ``ControlSettings``.
     :param tape_path: where the simulator writes its tape.
     :param real_time: keep to the wall clock instead of going in lockstep.
     :param stamped: whether commands are ``TwistStamped``, else ``Twist``.
@@ -70,8 +68,8 @@ def _planner_sections(scenario: Scenario) -> list[Section]:
     if task is None:
         return [*_nominal_sections(scenario), ('planner.', planner)]
     return [*_nominal_sections(scenario),
-            ('planner.', dataclasses.replace(planner, site='sequence')),
-            ('drive.', task.drive), ('task.', task.planning), ('map.', task.map_reading)]
+            ('planner.', dataclasses.replace(planner, mode='task')),
+            ('drive.', task.drive), ('map.', task.map_reading)]
 
 
 def _controller_sections(scenario: Scenario, settings: ControlSettings) -> list[Section]:

@@ -1,66 +1,25 @@
-"""Nodes as processes of their own, on a ROS domain of their own."""
+"""Nodes as processes of their own, in the private network."""
 
-from collections.abc import Generator
-import contextlib
-import fcntl
 import os
 from pathlib import Path
 import signal
 import subprocess
 import sys
-import tempfile
 import threading
 from types import FrameType
 from typing import NoReturn
 
-# Domains whose ports do not overlap the ephemeral ports of Linux; 0 is left to other programs.
-DOMAINS = range(1, 102)
+from push_scenario.dds.private_network import joining_script, private_environment
+
 # How long a node may take to end after a signal, on a slow machine that is busy [s]: nothing
 # interrupts a compiler in the middle of a function.
 STOP_TIMEOUT = 90.0
 # How long a node that is no longer needed may take to end by itself before it is killed [s].
 TERMINATION_TIMEOUT = 1.0
-# What Fast DDS reads, of the nodes: how soon reliable publishers send again what a subscriber has
-# lost, because it or its machine stood still for a moment. The default of 3 s is a minute of
-# simulated time in lockstep.
-PROFILE_VARIABLE = 'FASTRTPS_DEFAULT_PROFILES_FILE'
-PROFILE = """<?xml version="1.0" encoding="UTF-8"?>
-<dds xmlns="http://www.eprosima.com">
-  <profiles>
-    <data_writer profile_name="quick_repair" is_default_profile="true">
-      <times>
-        <heartbeatPeriod><sec>0</sec><nanosec>50000000</nanosec></heartbeatPeriod>
-      </times>
-    </data_writer>
-  </profiles>
-</dds>
-"""
+# File among the nodes' output that lets a shell see them.
+SCRIPT_NAME = 'private_network.sh'
 # Lines of a node's output that an error quotes: a traceback with its cause.
 TAIL_LENGTH = 12
-
-
-@contextlib.contextmanager
-def private_domain() -> Generator[int, None, None]:
-    """
-    Reserve a ROS domain that no other replay on this machine uses, until the block ends.
-
-    :return: context manager that yields the number of the domain.
-    :raises RuntimeError: where all are taken.
-    """
-    folder = Path(tempfile.gettempdir()) / f'push_control_domains_{os.getuid()}'
-    folder.mkdir(mode=0o700, exist_ok=True)
-    # Start at another one in each process, so that domains just left can fall silent.
-    for i in range(len(DOMAINS)):
-        domain = DOMAINS[(os.getpid() + i) % len(DOMAINS)]
-        with open(folder / str(domain), 'w', encoding='ascii') as lock:
-            try:
-                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError:
-                continue
-            yield domain
-            return
-    raise RuntimeError(f'no ROS domain is free: all of {DOMAINS[0]} to {DOMAINS[-1]} are locked '
-                       f'in {folder}')
 
 
 class NodeDied(RuntimeError):
@@ -69,9 +28,9 @@ class NodeDied(RuntimeError):
 
 class NodeProcesses:
     """
-    Starts nodes; at the end of the ``with`` block none is left.
+    Starts nodes in the private network; at the end of the ``with`` block none is left.
 
-    :param domain: ROS domain.
+    :param domain: ROS domain, as ``private_domain`` yields it.
     :param log_folder: where output and parameter files go; it exists.
     """
 
@@ -84,13 +43,9 @@ class NodeProcesses:
         root = str(Path(__file__).resolve().parents[2])
         path = [root, *filter(None, [os.environ.get('PYTHONPATH')])]
         # For matrices as small as those of the nodes, threads only wait for each other, busily.
-        profile = self._logs / 'fast_dds.xml'
-        profile.write_text(PROFILE, encoding='utf-8')
-        self._environment = {'OPENBLAS_NUM_THREADS': '1', PROFILE_VARIABLE: str(profile),
-                             **os.environ,
-                             'ROS_DOMAIN_ID': str(domain),
-                             'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
+        self._environment = {'OPENBLAS_NUM_THREADS': '1', **private_environment(domain),
                              'PYTHONUNBUFFERED': '1', 'PYTHONPATH': os.pathsep.join(path)}
+        (self._logs / SCRIPT_NAME).write_text(joining_script(domain), encoding='utf-8')
 
     def __enter__(self) -> 'NodeProcesses':
         """Make SIGTERM end this process in order, so that the nodes are ended too."""

@@ -167,8 +167,8 @@ def _subscriber_qos(entry: Topic) -> QoSProfile:
 
 
 def _offered_qos(entry: Topic) -> list[Any]:
-    from rosbags.interfaces import (Qos, QosDurability, QosHistory, QosLiveliness, QosReliability,
-                                    QosTime)
+    from rosbags.interfaces import (
+        Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime)
     profile = entry.publish_qos
     reliable = profile.reliability == ReliabilityPolicy.RELIABLE
     latched = profile.durability == DurabilityPolicy.TRANSIENT_LOCAL

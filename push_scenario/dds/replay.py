@@ -9,7 +9,8 @@ import time
 from push_ros.node_settings import Frames
 from push_ros.topics import CONTROLLER, PLANNER, SIM
 from push_scenario.dds.parameter_files import write_parameter_files
-from push_scenario.dds.processes import NodeProcesses, private_domain
+from push_scenario.dds.private_network import private_domain
+from push_scenario.dds.processes import NodeProcesses
 from push_scenario.dds.recorder import BagWriter
 from push_scenario.dds.replay_client import ReplayClient, ReplayFailed
 from push_scenario.dds.result import collect_result
@@ -24,7 +25,7 @@ MODULES = {SIM: 'push_sim_node.sim_node', PLANNER: 'push_planner.planner_node',
            CONTROLLER: 'push_control.controller_node'}
 # Wall-clock limits [s], each chosen at several times what it takes on a machine with twice as
 # many busy processes as cores: they end a replay that hangs, and must not end a slow one.
-START_TIMEOUT = 180.0
+START_TIMEOUT = 60.0
 PLAN_TIMEOUT = 180.0
 SERVICE_TIMEOUT = 60.0
 STALL_TIMEOUT = 60.0
@@ -37,7 +38,9 @@ def run_over_dds(scenario: Scenario, control_law: str | None = None, out_dir: st
     """
     Replay a scenario; in lockstep equal scenarios give equal tapes, to the last bit.
 
-    :param scenario: the ``Scenario``.
+    No other ROS node hears the run, or is heard in it. Afterwards this process can take part in
+    no other ROS network.
+
     :param control_law: ``feedback``, ``mpc`` or ``open_loop``; None for that of the scenario.
     :param out_dir: where the recording, and the nodes' parameters and output go.
     :param real_time: keep to the wall clock instead of going in lockstep.
@@ -45,7 +48,6 @@ def run_over_dds(scenario: Scenario, control_law: str | None = None, out_dir: st
     :param progress: called with a ``Progress`` whenever simulated time is known.
     :param stamped: whether commands are ``TwistStamped``, else ``Twist``.
     :param on_start: called with the ``NodeProcesses`` when time starts to run.
-    :return: the ``RunResult``.
     :raises RuntimeError: where a node dies or hangs, naming it; no process is left in any case.
     """
     scenario = place_robot(scenario)
@@ -106,8 +108,7 @@ def _later_goals(scenario: Scenario) -> list[LaterGoal]:
 def _set_goal(scenario: Scenario, client: ReplayClient, monitor: RunMonitor, *,
               is_lockstep: bool) -> str:
     """Set map and goals; return why there is no plan of a single push, an empty text else."""
-    client.wait_for(lambda: client.is_connected() and monitor.nodes.keys() == MODULES.keys(),
-                    START_TIMEOUT, 'the nodes to start')
+    client.wait_for(lambda: [*client.missing(), *monitor.missing(MODULES)], START_TIMEOUT)
     frame = Frames().world_frame
     if scenario.task is not None:
         _send_map(scenario.task, client, monitor, frame)
@@ -118,8 +119,8 @@ def _set_goal(scenario: Scenario, client: ReplayClient, monitor: RunMonitor, *,
         client.send_goal(scenario.goal.pose, frame)
         return ''
     client.send_goal(scenario.goal.pose, frame)
-    client.wait_for(lambda: monitor.plan is not None or bool(monitor.error(PLANNER)),
-                    PLAN_TIMEOUT, 'a plan')
+    client.wait_for(lambda: ['a plan'] if monitor.plan is None and not monitor.error(PLANNER)
+                    else [], PLAN_TIMEOUT)
     return monitor.error(PLANNER) if monitor.plan is None else ''
 
 
@@ -128,8 +129,8 @@ def _send_map(task: Task, client: ReplayClient, monitor: RunMonitor, frame: str)
         return
     client.send_map(task.occupancy_map, frame)
     # With the first map the planner loads or compiles its search.
-    client.wait_for(lambda: monitor.nodes_with_map() == {PLANNER, CONTROLLER}, PLAN_TIMEOUT,
-                    'the nodes to receive the map')
+    client.wait_for(lambda: [f'{node} to receive the map' for node in (PLANNER, CONTROLLER)
+                             if node not in monitor.nodes_with_map()], PLAN_TIMEOUT)
 
 
 def _start(client: ReplayClient) -> None:

@@ -1,9 +1,6 @@
 """The replay's own end of DDS: it listens to topics, sets the goal and calls services."""
 
-from collections.abc import Callable, Collection, Generator
-import contextlib
-import os
-import threading
+from collections.abc import Callable, Collection, Sequence
 import time
 
 from geometry_msgs.msg import PoseStamped
@@ -22,8 +19,6 @@ from rclpy.executors import SingleThreadedExecutor
 IDLE_PAUSE = 0.01
 # A service is called again after this time, as an answer may be lost during discovery [s].
 RETRY_PERIOD = 2.0
-DISCOVERY_RANGE = 'ROS_AUTOMATIC_DISCOVERY_RANGE'
-_environment_lock = threading.RLock()
 
 
 class ReplayFailed(RuntimeError):
@@ -34,7 +29,7 @@ class ReplayClient:
     """
     A context with a node that calls and a node that listens, on a ROS domain.
 
-    :param domain: ROS domain.
+    :param domain: ROS domain, as ``private_domain`` yields it.
     :param stamped: whether commands have a stamp.
     :param on_message: called with (topic, serialized message) for every message, in ``pump``.
     :param check: called in every ``pump``; raises what ends the replay.
@@ -46,8 +41,7 @@ class ReplayClient:
         self._on_message = on_message
         self._check = check
         self._context = Context()
-        with local_discovery():
-            rclpy.init(args=[], context=self._context, domain_id=domain)
+        rclpy.init(args=[], context=self._context, domain_id=domain)
         self._node = rclpy.create_node('replay', context=self._context)
         self._recorder_node = rclpy.create_node('recorder', context=self._context)
         self._executor = SingleThreadedExecutor(context=self._context)
@@ -80,27 +74,28 @@ class ReplayClient:
             self._on_message(topic, data)
         return bool(received)
 
-    def wait_for(self, condition: Callable[[], bool], timeout: float, what: str) -> None:
+    def wait_for(self, missing: Callable[[], Sequence[str]], timeout: float) -> None:
         """
-        Pump until a condition holds.
+        Pump until nothing is missing.
 
-        :param condition: called without arguments, returns whether it holds.
+        :param missing: lists what is, for the error.
         :param timeout: wall time [s].
-        :param what: what is waited for, for the error.
-        :raises ReplayFailed: where it does not come in time.
+        :raises ReplayFailed: where it does not come in time, naming it.
         """
         end = time.monotonic() + timeout
-        while not condition():
+        while what := missing():
             if time.monotonic() > end:
-                raise ReplayFailed(f'timed out after {timeout:g} s waiting for {what}')
+                raise ReplayFailed(f'timed out after {timeout:g} s waiting for {", ".join(what)}')
             self.pump()
 
-    def is_connected(self) -> bool:
-        """Tell whether nodes, services and recorder have discovered each other."""
+    def missing(self) -> list[str]:
+        """List what has not been discovered yet: services, and subscribers of the goal."""
         # One subscriber more than the nodes: the recorder.
         expected = len(TOPICS['goal_pose'].subscribers) + ('goal_pose' in self.types)
-        return (self._publishers['goal_pose'].get_subscription_count() >= expected
-                and all(client.service_is_ready() for client in self._clients.values()))
+        found = self._publishers['goal_pose'].get_subscription_count()
+        subscribers = [f'{found} of {expected} subscribers of goal_pose'] * (found < expected)
+        return subscribers + [f'service {name}' for name, client in self._clients.items()
+                              if not client.service_is_ready()]
 
     def send_goal(self, pose: Pose, frame: str, time: float = 0.0) -> None:
         """
@@ -118,7 +113,6 @@ class ReplayClient:
         """
         Publish a map.
 
-        :param occupancy_map: the ``OccupancyMap``.
         :param frame: id of the world frame.
         """
         self._publishers['map'].publish(to_map_message(occupancy_map, to_stamp(0.0), frame))
@@ -146,22 +140,3 @@ class ReplayClient:
                 answer = response.message
             self.pump()
         raise ReplayFailed(f'{service} did not succeed within {timeout:g} s: {answer}')
-
-
-@contextlib.contextmanager
-def local_discovery() -> Generator[None, None, None]:
-    """
-    Let contexts that are made in the block find only nodes of this machine.
-
-    One thread after the other, as all of them share the environment.
-    """
-    with _environment_lock:
-        before = os.environ.get(DISCOVERY_RANGE)
-        os.environ[DISCOVERY_RANGE] = 'LOCALHOST'
-        try:
-            yield
-        finally:
-            if before is None:
-                del os.environ[DISCOVERY_RANGE]
-            else:
-                os.environ[DISCOVERY_RANGE] = before

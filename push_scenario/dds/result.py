@@ -18,12 +18,9 @@ def collect_result(scenario: Scenario, control_law: str, monitor: RunMonitor, ta
     """
     Make the result of a run, once the nodes have ended.
 
-    :param scenario: the ``Scenario``.
     :param control_law: the control law.
-    :param monitor: the ``RunMonitor``.
     :param tape_path: where the simulator has written its tape.
     :param bag: folder of the recording, or None.
-    :return: the ``RunResult``.
     """
     end = monitor.end
     if end is None or end.time > scenario.time_limit:
@@ -36,7 +33,7 @@ def collect_result(scenario: Scenario, control_law: str, monitor: RunMonitor, ta
     task = monitor.task
     return RunResult(scenario, control_law, end.outcome, end.reason, tape, end.time,
                      task.history.changes, task.history.recoveries, task.status,
-                     single_push_time=task.single_push_time, timing=timing, bag=bag)
+                     timing=timing, bag=bag)
 
 
 def _read_timing(tape_path: Path) -> WallClockTiming:

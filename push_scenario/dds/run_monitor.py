@@ -1,20 +1,18 @@
 """What a replay learns from the messages of the nodes: who is up, the plan, the time, the end."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 import dataclasses
-import math
 from typing import Any, NamedTuple
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from push_control.push.status import Phase
 from push_control.task.status import StateChange, SupervisorStatus, TaskState
 from push_model.geometry import distance, Pose
 from push_model.trajectory import PushTrajectory
 from push_ros.conversions.measurements import from_object_pose_message
-from push_ros.conversions.plan import from_plan_message
+from push_ros.conversions.plan import from_plan_message, plan_failure
 from push_ros.conversions.primitives import NANOSECONDS
 from push_ros.diagnostics import ERROR, HAS_MAP, status_values, value_text
-from push_ros.topics import CONTROLLER, PLANNER, SIM, TOPICS
+from push_ros.topics import CONTROLLER, SIM, TOPICS
 from push_scenario.dds.recorder import stamp_of
 from push_scenario.definition.scenario import Scenario
 from push_scenario.simulation.history import StateHistory
@@ -33,7 +31,6 @@ class RunEnd(NamedTuple):
     """
     How and when the controller's node ended a run.
 
-    :param outcome: the ``Outcome``.
     :param reason: one sentence.
     :param time: simulated time [s].
     """
@@ -58,17 +55,15 @@ class NodeReport:
 
 class TaskMonitor:
     """
-    What the supervisor of a task reports.
+    What the supervisor reports.
 
     ``history``: ``StateHistory``. ``status``: the last ``SupervisorStatus``.
-    ``single_push_time``: time of the best single push from the start [s], nan before it is known.
     """
 
     def __init__(self) -> None:
         """Start without any report."""
         self.history = StateHistory()
         self.status = SupervisorStatus()
-        self.single_push_time = math.nan
 
     def update(self, values: dict[str, str]) -> StateChange:
         """
@@ -94,9 +89,8 @@ class RunMonitor:
 
     ``nodes``: ``NodeReport`` by name, of every node that has reported. ``plan``: the first
     ``PushTrajectory``, or None. ``time``: simulated time [s]. ``task``: ``TaskMonitor``.
-    ``end``: ``RunEnd``, once the controller or supervisor has ended the run.
+    ``end``: ``RunEnd``, once the supervisor has ended the run.
 
-    :param scenario: the ``Scenario``.
     :param progress: called with a ``Progress`` whenever simulated time is known; None for nobody.
     """
 
@@ -124,7 +118,7 @@ class RunMonitor:
             self._on_diagnostics(_deserialize(topic, data))
         elif topic == 'push_plan' and self.plan is None:
             message = _deserialize(topic, data)
-            if message.points:
+            if plan_failure(message) is None:
                 self.plan = from_plan_message(message, message.header.frame_id)
         elif topic == 'object_pose':
             self._object_pose = data
@@ -140,6 +134,14 @@ class RunMonitor:
         :param node: its name.
         """
         return self.nodes[node].error if node in self.nodes else ''
+
+    def missing(self, names: Iterable[str]) -> list[str]:
+        """
+        List reports that have not come.
+
+        :param names: of the nodes that are expected to report.
+        """
+        return [f'a report of {name}' for name in names if name not in self.nodes]
 
     def nodes_with_map(self) -> set[str]:
         """Names of the nodes that have a map."""
@@ -162,16 +164,12 @@ class RunMonitor:
         if status.name == SIM and 'time' in values:
             # The clock comes best effort: it may be over for a replay that stood still.
             self._advance(float(values['time']))
-        if status.name == PLANNER and math.isnan(self.task.single_push_time):
-            self.task.single_push_time = float(values.get('single_push', math.nan))
         if status.name != CONTROLLER or self.end is not None:
             return
         if 'state' in values:
             change = self.task.update(values)
             if change.state.is_final and change.time >= self._last_goal_time:
                 self.end = RunEnd(Outcome(change.state.value), change.reason, change.time)
-        elif 'phase' in values and Phase(values['phase']).has_ended:
-            self.end = RunEnd(Outcome(values['phase']), values['reason'], float(values['time']))
 
     @property
     def _last_goal_time(self) -> float:
