@@ -11,6 +11,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 import numpy as np
 from push_control.task.status import TaskState
+from push_scenario.evaluation.metrics import bounds_missed
 from push_scenario.evaluation.report import TITLES
 from push_scenario.plots.drawing import (
     draw_goals, draw_map, draw_object, draw_robot, front, INK, NO_PUSH, outline, PLAN_STYLE,
@@ -71,6 +72,7 @@ class _Panel:
         self._result = result
         self._tape = tape_of(result)
         self._segments = segments_of(result)
+        self._is_missed = bool(bounds_missed(result))
         start = self._tape.poses('object')[0]
         draw_map(axes, result.scenario)
         draw_object(axes, result.scenario.object, start, facecolor='#F1F1F1',
@@ -118,6 +120,10 @@ class _Panel:
         is_recent = time[row] < time[segment.rows.start] + REASON_TIME
         if segment.reason and is_recent:
             self._axes.set_title(_shortened(segment.reason), fontsize=11, color=WARNING)
+            return
+        if segment.state is TaskState.DONE and self._is_missed:
+            self._axes.set_title(f'{TITLES[self._result.control_law]}: missed the goal',
+                                 fontsize=11, color=WARNING)
             return
         activity = ACTIVITIES[segment.state]
         if segment.push is not None and self._result.scenario.task is not None:

@@ -61,7 +61,6 @@ def tape_of(result: RunResult) -> Tape:
     """
     Look up the tape of a run that moved.
 
-    :param result: the ``RunResult``.
     :raises ValueError: where the goal was refused and nothing moved.
     """
     if result.tape is None:
@@ -74,7 +73,6 @@ def segments_of(result: RunResult) -> list[Segment]:
     """
     Cut a tape at the changes of state.
 
-    :param result: the ``RunResult``.
     :return: list of ``Segment``, in order.
     """
     time, history = tape_of(result)['time'], result.history
@@ -82,7 +80,8 @@ def segments_of(result: RunResult) -> list[Segment]:
     segments: list[Segment] = []
     pushes = 0
     for index, (change, end) in enumerate(zip(history, ends)):
-        first, last = np.searchsorted(time, (change.time, end))
+        # A state that is entered after the last row has that one.
+        first, last = np.minimum(np.searchsorted(time, (change.time, end)), len(time) - 1)
         push = None
         if change.state is TaskState.PUSH:
             push = pushes
@@ -96,7 +95,6 @@ def goal_poses(scenario: Scenario, time: float = math.inf) -> list[Pose]:
     """
     Look up the goals that have been given.
 
-    :param scenario: the ``Scenario``.
     :param time: now [s]; goals that are given later are left out.
     :return: ``Pose`` of each, the valid one last.
     """
@@ -108,7 +106,6 @@ def outline(obj: PushedObject, pose: PoseLike) -> FloatArray:
     """
     Outline of an object in the world.
 
-    :param obj: the ``PushedObject``.
     :param pose: its (x, y, theta).
     :return: vertices, shape (k, 2) [m].
     """
@@ -121,7 +118,6 @@ def front(obj: PushedObject, pose: PoseLike) -> tuple[tuple[float, ...], ...]:
     """
     Short line that marks an object's front.
 
-    :param obj: the ``PushedObject``.
     :param pose: its (x, y, theta).
     :return: x of both ends, y of both ends [m].
     """
@@ -136,7 +132,6 @@ def draw_object(axes: Axes, obj: PushedObject, pose: PoseLike,
     Draw an object with a line that marks its front.
 
     :param axes: matplotlib axes.
-    :param obj: the ``PushedObject``.
     :param pose: its (x, y, theta).
     :param style: of the polygon.
     :return: the artists.
@@ -174,7 +169,6 @@ def draw_map(axes: Axes, scenario: Scenario) -> None:
     Draw the occupied cells of the map, if there is one.
 
     :param axes: matplotlib axes.
-    :param scenario: the ``Scenario``.
     """
     occupancy_map = None if scenario.task is None else scenario.task.occupancy_map
     if occupancy_map is None:
@@ -192,7 +186,6 @@ def draw_goals(axes: Axes, scenario: Scenario, time: float = math.inf) -> list[A
     Draw the goal poses of the object; those that are no longer valid are thin.
 
     :param axes: matplotlib axes.
-    :param scenario: the ``Scenario``.
     :param time: now; goals that are given later are left out [s].
     :return: the artists.
     """
@@ -211,7 +204,6 @@ def draw_displacements(axes: Axes, result: RunResult) -> None:
     Draw an arrow for every disturbance that displaces the object.
 
     :param axes: matplotlib axes.
-    :param result: the ``RunResult``.
     """
     tape = tape_of(result)
     time, poses = tape['time'], tape.poses('object')

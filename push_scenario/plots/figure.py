@@ -22,14 +22,14 @@ from push_model.friction import friction_center
 from push_model.geometry import wrap_angles
 from push_navigation.occupancy_map import OccupancyMap
 from push_scenario.definition.scenario import Scenario
-from push_scenario.evaluation.metrics import force_angle, is_as_expected
+from push_scenario.evaluation.metrics import bounds_missed, force_angle, verdict
 from push_scenario.evaluation.report import TITLES
 from push_scenario.plots.drawing import (
     DASHED_GOAL, draw_displacements, draw_goals, draw_map, draw_object, draw_push_number,
     draw_robot, GOAL, goal_poses, INK, outline, PLAN_STYLE, PUSH_COLORS, ROBOT_PATH_STYLE,
     Segment, segments_of, set_view, style_axes, tape_of, WARNING,
 )
-from push_scenario.simulation.result import Outcome, RunResult
+from push_scenario.simulation.result import RunResult
 
 FloatArray = NDArray[np.float64]
 
@@ -89,7 +89,6 @@ def draw_floor(result: RunResult, path: str | PathLike[str]) -> None:
     """
     Draw a task in a map: the scene, and below it the clearances.
 
-    :param result: the ``RunResult``.
     :param path: of the PNG.
     """
     figure = Figure(dpi=FLOOR_DPI, facecolor='white', layout='constrained')
@@ -154,22 +153,23 @@ def _scene(axes: Axes, result: RunResult) -> None:
     if result.plan is not None:
         axes.plot(*result.plan.object_poses[:, :2].T, **PLAN_STYLE, zorder=7.5)
     draw_displacements(axes, result)
-    draw_object(axes, scenario.true_object, objects[-1], facecolor=GOAL + '30', edgecolor=INK,
-                linewidth=1.6, zorder=4)
+    is_missed = bool(bounds_missed(result))
+    draw_object(axes, scenario.true_object, objects[-1], linewidth=1.6, zorder=4, edgecolor=INK,
+                facecolor=(WARNING if is_missed else GOAL) + '30')
     draw_robot(axes, radius, robots[-1], facecolor='#8A8A8A', edgecolor=INK, linewidth=1.2,
                zorder=8)
     draw_goals(axes, scenario)
     style_axes(axes)
     axes.set_xlabel('x [m]')
     axes.set_ylabel('y [m]')
-    # A control law in open loop is done with its commands, wherever the object is.
-    is_short = result.outcome is Outcome.DONE and not is_as_expected(result)
+    bounds = scenario.bounds
     axes.set_title(
         f'{scenario.name.replace("_", " ")}, {TITLES[result.control_law]}\n'
-        f'{"ended" if is_short else result.outcome.value} after {result.duration:.1f} s, '
+        f'{verdict(result)} after {result.duration:.1f} s, '
         f'{_millimetres(result.position_error)} and '
-        f'{abs(math.degrees(result.heading_error)):.1f}° from the goal',
-        loc='left', fontsize=11, color=INK)
+        f'{abs(math.degrees(result.heading_error)):.1f}° from the goal (bounds '
+        f'{_millimetres(bounds.position_error)} and {math.degrees(bounds.heading_error):.1f}°)',
+        loc='left', fontsize=11, color=WARNING if is_missed else INK)
 
 
 def _millimetres(metres: float) -> str:

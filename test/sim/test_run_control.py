@@ -1,7 +1,7 @@
 """States of a run: when the simulator offers, starts, goes on and ends; no clock is needed."""
 
 from push_sim_node.ros.run_control import (
-    LONGEST_START, OFFER_PERIOD, QUIET_TIME, RunAction, RunControl, RunState,
+    MAX_START, OFFER_PERIOD, QUIET_TIME, RunAction, RunControl, RunState,
 )
 import pytest
 
@@ -41,7 +41,7 @@ def test_a_controller_that_repeats_its_stop_does_not_keep_it_from_starting():
         control.on_answer(time)
         if control.tick(time) is RunAction.START:
             break
-    assert control.started_at == pytest.approx(LONGEST_START, abs=0.051)
+    assert control.started_at == pytest.approx(MAX_START, abs=0.051)
     control = RunControl(0.0, True)
     control.on_answer(0.0)
     assert control.tick(0.0) is RunAction.START

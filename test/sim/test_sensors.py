@@ -7,7 +7,7 @@ import numpy as np
 from push_model.geometry import Pose
 from push_model.signals import PoseCovariance, Twist
 from push_sim_node.sensors import (
-    LEAST_DEVIATION, OdometrySensor, PoseSensor, SensorSettings, ViewBias,
+    MIN_DEVIATION, OdometrySensor, PoseSensor, SensorSettings, ViewBias,
 )
 import pytest
 
@@ -189,7 +189,7 @@ def test_drifting_odometry_states_the_covariance_of_what_it_sums_up():
     assert errors.std(axis=0) == pytest.approx(deviations, rel=0.15)
     correlation = stated / np.outer(deviations, deviations)
     assert np.corrcoef(errors.T) == pytest.approx(correlation, abs=0.2)
-    least = PoseCovariance.from_deviations(LEAST_DEVIATION, LEAST_DEVIATION)
+    least = PoseCovariance.from_deviations(MIN_DEVIATION, MIN_DEVIATION)
     assert travelled(SensorSettings(), Twist(0.3, 0.0, 0.9))[0].covariance == least
     first = odometer(settings).measure(0.0, Pose(0.0, 0.0, 0.0), Twist())
     assert first.covariance == least

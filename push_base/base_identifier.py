@@ -1,0 +1,330 @@
+"""
+Finding out how a base follows its commands: dead time, least speeds, length of pulses.
+
+What is sent is followed by models with the nominal lag and no dead time, x_a(t): one accelerates
+as stated, one is quicker. The dead time is the shift by which the better of them fits what
+odometry measures best,
+
+    (tau, a) = argmin_(d, a)  mean |v(t) - x_a(t - d)|^2
+
+and a wheel, or axis, does not turn yet where in a window v covers far less than x(t - tau) does.
+The greatest command in that window is then below its least speed. Pulses that move nothing,
+although they are above that, get longer where the acceleration of the base does not allow it to
+reach their height, and higher else, and come back once they move it.
+"""
+
+from collections import deque
+from collections.abc import Sequence
+import math
+import statistics
+from typing import NamedTuple
+
+import numpy as np
+from push_base.base_knowledge import BaseKnowledge, PULSE
+from push_base.command_shaper import MARGINS
+from push_dynamics import actuation
+from push_dynamics.compiled import interpreted
+from push_model.geometry import FloatArray
+from push_model.parameters import RoundRobot
+from push_model.signals import Odometry, STOP, Twist
+
+# Grid of the model, and history that is kept [s]; chosen: half a period of odometry, and some
+# starts and stops of the base.
+STEP = 0.01
+HISTORY = 3.0
+# Accelerations of the models over the limit; chosen: bases are mostly quicker than stated. The
+# quicker one, whose response comes first, tells whether a wheel turns.
+ACCELERATION_RATIOS = 1.0, 1.5
+QUICKER = 1
+# Longest dead time that is looked for, step and period of the search [s]; chosen: twice what a
+# robot can push with.
+MAX_SHIFT = 0.6
+SHIFT_STEP = 0.02
+PERIOD = 0.1
+# Velocity has to vary by so much for a search [m/s], and the best shift to leave at most this part
+# of its variance; chosen: noise of odometry explains neither.
+MIN_VARIATION = 0.03
+MAX_UNEXPLAINED = 0.3
+# Number of results of which the median counts, and from which on it does; chosen: half a second.
+RESULTS, ENOUGH_RESULTS = 9, 5
+# A dead time below this is none, and a change below this is no news [s]; chosen: a value right to
+# 0.05 s is as good as an exact one.
+MIN_DEAD_TIME = 0.06
+MIN_CHANGE = 0.02
+# Window in which a wheel is evaluated [s], distance or angle that it is asked for at least
+# [m], [rad], part of it that it covers at most where it does not turn, and range where it does.
+# Chosen: above the noise of odometry, and below what any good base covers.
+WINDOW = 0.4
+MIN_DISTANCE, MIN_ANGLE = 0.004, 0.02
+STUCK_RATIO = 0.25
+# The same of the distance covered to and fro, with noise, and the part of it that the commands
+# have in one direction at least: while a wheel reverses its lag tells.
+COVERED_RATIO = 0.5
+MIN_STRAIGHTNESS = 0.9
+MOVING_RATIOS = 0.6, 1.6
+# Least speeds above these are not believed [m/s], [rad/s]: such a base is blocked, or off. Chosen.
+MAX_LEAST_SPEED, MAX_LEAST_YAW_RATE = 0.13, 0.35
+# Pulses that move nothing are at least so high over the least speed; how pulses get longer, at
+# most [s], and then higher, and how they come back; time between two changes [s]. Chosen: the base
+# is asked a few times at each.
+PULSE_RATIO = 1.5
+LONGER, HIGHER, MAX_PULSE = 1.3, 1.3, 0.16
+SHORTER, LOWER = 0.85, 0.95
+CHANGE_PERIOD = 0.5
+# A gap of odometry after which nothing is known of the time before [s].
+MAX_GAP = 0.5
+# Rounding of times [s].
+TIME_ROUNDING = 1e-6
+# Single calls are not worth compiling them.
+track_command = interpreted(actuation.track_command)
+
+
+class _Window(NamedTuple):
+    """
+    What a wheel or axis was asked for, and did, in a while.
+
+    :param expected: distance or angle by the commands, at least 0 [m or rad].
+    :param measured: the same by odometry, in the same direction.
+    :param covered: distance by odometry, to and fro.
+    :param top: greatest command [m/s or rad/s].
+    :param reverses: whether it is asked to go to and fro.
+    """
+
+    expected: float
+    measured: float
+    covered: float
+    top: float
+    reverses: bool
+
+    @property
+    def is_stuck(self) -> bool:
+        """Whether it has hardly moved although it should have."""
+        return (self.measured < STUCK_RATIO * self.expected
+                and self.covered < COVERED_RATIO * self.expected)
+
+    @classmethod
+    def of(cls, expected: FloatArray, measured: FloatArray, commands: FloatArray) -> '_Window':
+        """
+        Sum velocities up, each of shape (n, 1) or (n, 2).
+
+        :param expected: by the commands [m/s or rad/s].
+        :param measured: by odometry.
+        :param commands: themselves.
+        """
+        asked, done = WINDOW * expected.mean(axis=0), WINDOW * measured.mean(axis=0)
+        distance = float(np.linalg.norm(asked))
+        along = float(asked @ done) / distance if distance > 0.0 else 0.0
+        asked_distance, covered = (WINDOW * float(np.linalg.norm(values, axis=1).mean())
+                                   for values in (expected, measured))
+        return cls(distance, along, covered, float(np.linalg.norm(commands, axis=1).max()),
+                   distance < MIN_STRAIGHTNESS * asked_distance)
+
+
+class BaseIdentifier:
+    """
+    Learns what a base does with its commands.
+
+    ``knowledge``: the ``BaseKnowledge`` so far, at first as stated.
+    """
+
+    def __init__(self, robot: RoundRobot) -> None:
+        """
+        Start with what is stated.
+
+        :param robot: the ``RoundRobot``, nominal.
+        """
+        self._robot = robot
+        self._drives = [(robot.time_constant, ratio * robot.max_acceleration,
+                         ratio * robot.max_yaw_acceleration) for ratio in ACCELERATION_RATIOS]
+        half = 0.5 * robot.wheel_track
+        # From a twist to what counts: speeds of wheels, or translation and rotation.
+        self._is_differential = robot.drive == 'differential'
+        self._channels: FloatArray = np.array(
+            [[1.0, 0.0, -half], [1.0, 0.0, half]] if self._is_differential
+            else [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, half]], dtype=np.float64)
+        self._half_track = half
+        self._results: deque[float] = deque(maxlen=RESULTS)
+        self._last_change = -math.inf
+        # Least speed or yaw rate by evidence, without what pulses needed besides.
+        self._evidence = [robot.min_speed, robot.min_yaw_rate]
+        self.knowledge = BaseKnowledge.stated(robot)
+        self.forget()
+
+    @property
+    def has_dead_time(self) -> bool:
+        """Whether the dead time was identified."""
+        return len(self._results) >= ENOUGH_RESULTS
+
+    def forget(self) -> None:
+        """Forget what was sent and measured, as where others command the base."""
+        self._command = STOP
+        self._velocities = [STOP for _ in ACCELERATION_RATIOS]
+        self._start: float | None = None
+        # Commands and responses of the models on the grid, and measurements.
+        length = round((HISTORY + MAX_SHIFT) / STEP)
+        self._responses: list[deque[Twist]] = [deque(maxlen=length) for _ in ACCELERATION_RATIOS]
+        self._commands: deque[Twist] = deque(maxlen=length)
+        self._count = 0
+        self._measured: deque[tuple[float, ...]] = deque()
+        self._due = -math.inf
+
+    def restore(self, knowledge: BaseKnowledge) -> None:
+        """Know no more than before: what has come since was of a base that was stopped."""
+        self.knowledge = knowledge
+        self._evidence = [min(known, evidence) for known, evidence in zip(
+            (knowledge.min_speed, knowledge.min_yaw_rate), self._evidence)]
+
+    def add_command(self, command: Twist, time: float) -> None:
+        """
+        Note a command that was sent.
+
+        :param command: ``Twist``, finite.
+        :param time: when, on the clock of odometry [s].
+        """
+        self._advance(time)
+        self._command = command
+
+    def observe(self, odometry: Odometry) -> None:
+        """
+        Compare a measured velocity with the commands before it.
+
+        :param odometry: ``Odometry``, finite.
+        """
+        time, measured = odometry.time, self._measured
+        if not self._robot.identify_base:
+            return
+        if measured and not 0.0 < time - measured[-1][0] <= MAX_GAP:
+            self.forget()
+        if self._start is None:
+            self._start = time
+        self._advance(time)
+        self._measured.append((time, *odometry.twist))
+        while self._measured[0][0] < time - HISTORY:
+            self._measured.popleft()
+        if time < self._due or self._count * STEP < WINDOW:
+            return
+        self._due = time + PERIOD - TIME_ROUNDING
+        samples = np.array(self._measured, dtype=np.float64)
+        self._find_dead_time(samples)
+        if self.has_dead_time:
+            self._find_least_speeds(samples[samples[:, 0] > time - WINDOW], time)
+
+    def _advance(self, time: float) -> None:
+        """Let the models follow the command until now."""
+        if self._start is None:
+            return
+        while self._start + (self._count + 1) * STEP <= time + TIME_ROUNDING:
+            self._commands.append(self._command)
+            for index, drive in enumerate(self._drives):
+                velocity = Twist(*track_command(*self._velocities[index], self._command, drive,
+                                                STEP)[:3])
+                self._velocities[index] = velocity
+                self._responses[index].append(velocity)
+            self._count += 1
+
+    def _looked_up(self, rows: deque[Twist], times: FloatArray) -> FloatArray:
+        """Look rows of the grid up; the base has stood before the first one."""
+        grid = np.vstack([np.zeros(3), np.array(rows, dtype=np.float64)])
+        first = self._count - len(rows)
+        index = np.rint((times - (self._start or 0.0)) / STEP).astype(int) - first
+        return grid[np.clip(index, 0, len(rows))]
+
+    def _find_dead_time(self, samples: FloatArray) -> None:
+        velocities = samples[:, 1:] @ self._channels.T
+        variance = float(velocities.var(axis=0).sum())
+        if variance < MIN_VARIATION ** 2:
+            return
+        shifts = np.arange(0.0, MAX_SHIFT + 0.5 * SHIFT_STEP, SHIFT_STEP)
+        times = samples[:, 0] - shifts[:, None]
+        errors_by_model = [
+            ((velocities - self._looked_up(responses, times) @ self._channels.T) ** 2)
+            .sum(axis=2).mean(axis=1) for responses in self._responses]
+        errors = min(errors_by_model, key=np.min)
+        best = int(errors.argmin())
+        if errors[best] > MAX_UNEXPLAINED * variance:
+            return
+        self._results.append(float(shifts[best]) + SHIFT_STEP * _vertex(errors, best))
+        if not self.has_dead_time:
+            return
+        found = statistics.median(self._results)
+        found = found if found >= MIN_DEAD_TIME else 0.0
+        if abs(found - self.knowledge.dead_time) >= MIN_CHANGE:
+            self.knowledge = self.knowledge._replace(dead_time=found)
+
+    def _find_least_speeds(self, samples: FloatArray, time: float) -> None:
+        """Find out which wheels or axes do not turn although they should."""
+        shifted = samples[:, 0] - self.knowledge.dead_time
+        measured = samples[:, 1:] @ self._channels.T
+        commands = self._looked_up(self._commands, shifted) @ self._channels.T
+        models = [self._looked_up(responses, shifted) @ self._channels.T
+                  for responses in self._responses]
+
+        def windows(channels: slice, unit: float = 1.0) -> list[_Window]:
+            return [_Window.of(expected[:, channels] / unit, measured[:, channels] / unit,
+                               commands[:, channels] / unit) for expected in models]
+
+        if self._is_differential:
+            # A wheel that only the contact holds, as one about which the robot turns, tells
+            # nothing.
+            if WINDOW * np.abs(models[QUICKER].mean(axis=0)).min() > MIN_DISTANCE:
+                for wheel in (0, 1):
+                    self._evaluate(0, windows(slice(wheel, wheel + 1)), time)
+            return
+        self._evaluate(0, windows(slice(0, 2)), time)
+        self._evaluate(1, windows(slice(2, 3), self._half_track), time)
+
+    def _evaluate(self, axis: int, windows: Sequence['_Window'], time: float) -> None:
+        """
+        Evaluate one wheel or axis.
+
+        :param axis: 0 for wheels and translation, 1 for rotation.
+        :param windows: what it did beside what each model expects.
+        :param time: now [s].
+        """
+        window = windows[QUICKER]
+        least, top = self.knowledge[1 + axis], window.top
+        smallest, cap = ((MIN_DISTANCE, MAX_LEAST_SPEED),
+                         (MIN_ANGLE, MAX_LEAST_YAW_RATE))[axis]
+        # A base that only coasts tells nothing of what it does with slow commands.
+        if min(window.expected, WINDOW * top) <= smallest or window.reverses:
+            return
+        is_pulsed = 0.0 < PULSE_RATIO * least <= top
+        is_stuck = all(each.is_stuck for each in windows)
+        if is_stuck and not is_pulsed and top <= cap:
+            self._evidence[axis] = max(self._evidence[axis], top)
+            self._set(axis, max(least, top))
+        elif is_pulsed and time >= self._last_change + CHANGE_PERIOD:
+            if is_stuck and top <= 2.5 * cap:
+                self._last_change = time
+                self._escalate(axis, min(cap, HIGHER * least))
+            elif MOVING_RATIOS[0] < window.measured / window.expected < MOVING_RATIOS[1]:
+                self._last_change = time
+                self._relax(axis, max(self._evidence[axis], LOWER * least))
+
+    def _escalate(self, axis: int, higher: float) -> None:
+        """Make pulses longer where the base cannot reach their height within them, else higher."""
+        known, acceleration = self.knowledge, self._drives[0][1 + axis]
+        if known.pulse < MAX_PULSE and MARGINS[0] * known[1 + axis] > acceleration * known.pulse:
+            self.knowledge = self.knowledge._replace(
+                pulse=min(MAX_PULSE, LONGER * known.pulse))
+        else:
+            self._set(axis, higher)
+
+    def _relax(self, axis: int, lower: float) -> None:
+        """Make pulses shorter and lower again, as they move the base."""
+        self.knowledge = self.knowledge._replace(
+            pulse=max(PULSE, SHORTER * self.knowledge.pulse))
+        self._set(axis, lower)
+
+    def _set(self, axis: int, least: float) -> None:
+        self.knowledge = (self.knowledge._replace(min_speed=least) if axis == 0
+                          else self.knowledge._replace(min_yaw_rate=least))
+
+
+def _vertex(values: FloatArray, index: int) -> float:
+    """Find how far the vertex of a parabola through the least value is from it, in steps."""
+    if not 0 < index < len(values) - 1:
+        return 0.0
+    before, here, after = (float(value) for value in values[index - 1:index + 2])
+    curvature = before - 2.0 * here + after
+    return 0.5 * (before - after) / curvature if curvature > 0.0 else 0.0

@@ -1,0 +1,68 @@
+"""From a recording to what the base and its sensors are like."""
+
+import dataclasses
+
+from push_base.calibration.drive_fit import DriveFit, fit_drive, Signals
+from push_base.calibration.odometry_errors import odometry_errors, OdometryErrors
+from push_base.calibration.recording import ReceivedPose, Recording
+from push_base.calibration.topics import (
+    Noise, pose_noise, rest_end, topic_times, TopicTimes, velocity_noise,
+)
+
+# Ages of odometry that one clock, or two that agree, can give [s]; chosen.
+MIN_AGE, MAX_AGE = -0.005, 1.0
+
+
+@dataclasses.dataclass(frozen=True)
+class BaseCalibration:
+    """
+    What was measured; None for what was not.
+
+    :param recording: ``Recording`` that it is from.
+    :param signals: the same as arrays.
+    :param is_clock_common: whether stamps of odometry and times of commands are of one clock, so
+        that delays are measured by stamps; else by arrival.
+    :param drive: ``DriveFit``.
+    :param errors: ``OdometryErrors``.
+    :param velocity_noise: of odometry.
+    :param object_noise: of the poses of the object.
+    :param robot_noise: of the poses of the robot in the world.
+    :param odometry_times: ``TopicTimes``.
+    :param object_times: of the poses of the object.
+    :param robot_times: of the poses of the robot in the world.
+    """
+
+    recording: Recording
+    signals: Signals
+    is_clock_common: bool
+    drive: DriveFit | None
+    errors: OdometryErrors | None
+    velocity_noise: Noise | None
+    object_noise: Noise | None
+    robot_noise: Noise | None
+    odometry_times: TopicTimes | None
+    object_times: TopicTimes | None
+    robot_times: TopicTimes | None
+
+
+def estimate(recording: Recording) -> BaseCalibration:
+    """
+    Find out what a recording says.
+
+    :param recording: ``Recording``, of any length.
+    """
+    odometry_times = topic_times([item.arrival for item in recording.odometry],
+                                 [item.odometry.time for item in recording.odometry])
+    is_clock_common = (odometry_times is not None
+                       and MIN_AGE <= odometry_times.age <= MAX_AGE)
+    signals = Signals.of(recording, by_stamp=is_clock_common)
+    end = rest_end(recording)
+    return BaseCalibration(
+        recording, signals, is_clock_common, fit_drive(recording.robot, signals),
+        odometry_errors(recording), velocity_noise(recording),
+        pose_noise(recording.object_poses, end), pose_noise(recording.robot_poses, end),
+        odometry_times, _times_of(recording.object_poses), _times_of(recording.robot_poses))
+
+
+def _times_of(poses: list[ReceivedPose]) -> TopicTimes | None:
+    return topic_times([item.arrival for item in poses], [item.measured.time for item in poses])

@@ -1,0 +1,246 @@
+"""What was measured, in words and as files that robot and scenarios use."""
+
+from collections.abc import Iterator
+import math
+from typing import Any
+
+from push_base.calibration.drive_fit import DriveFit
+from push_base.calibration.estimation import BaseCalibration
+from push_base.calibration.findings import find_faults
+from push_base.calibration.topics import Noise, TopicTimes
+from push_model.interval import Interval
+from push_model.parameters import RoundRobot
+
+# Digits of numbers in files.
+DIGITS = 4
+# Least speeds below this need no pulses [m/s]; chosen: slower than anything that is commanded.
+NO_LEAST_SPEED = 0.005
+# Half widths of unknown noises that files state at least, as parameters are above 0.
+MIN_NOISE = 1e-4
+
+# A line of a file: name, value, comment.
+Entry = tuple[str, Any, str]
+
+
+def summary(calibration: BaseCalibration) -> str:
+    """
+    Write what was measured, and what is wrong.
+
+    :return: lines.
+    """
+    recording = calibration.recording
+    lines: list[str] = []
+    if recording.interruption is not None:
+        lines += [f'Ended early: {recording.interruption.value}. What was measured until then:']
+    lines += [f'  {name:24} {text}' for name, text in rows(calibration)]
+    faults = find_faults(calibration)
+    lines.append('Nothing is wrong with base and sensors, as far as was measured.' if not faults
+                 else 'What is wrong, and what to do:')
+    for finding in faults:
+        lines += [f'* {finding.sentence}', f'  {finding.remedy}']
+    lines.append('Not measured: radius at a touch, mounting of the tracker, pushing force.')
+    return '\n'.join(lines)
+
+
+def rows(calibration: BaseCalibration) -> list[tuple[str, str]]:
+    """List what was measured as (name, value with its interval)."""
+    robot = calibration.recording.robot
+    table: list[tuple[str, str]] = []
+    drive = calibration.drive
+    if drive is None:
+        table.append(('drive', 'not measured'))
+    else:
+        table += _drive_rows(robot, drive)
+    errors = calibration.errors
+    if errors is None:
+        table.append(('scale of odometry', 'not measured: nothing measures the robot in the '
+                      'world (robot_pose)'))
+    else:
+        table += [('scale of odometry', _text(errors.scale, 100.0, '%', 2)),
+                  ('scale of its rotations', _text(errors.yaw_scale, 100.0, '%', 2)),
+                  ('drift of its heading', _text(errors.heading_drift, 1.0, 'rad/m', 4))]
+    table += _topic_rows('odometry', calibration.odometry_times)
+    table += _noise_rows('velocity noise', calibration.velocity_noise, ('mm/s', 'mrad/s'))
+    table += _topic_rows('object poses', calibration.object_times)
+    table += _noise_rows('object pose noise', calibration.object_noise, ('mm', 'mrad'))
+    return table
+
+
+def _drive_rows(robot: RoundRobot, drive: DriveFit) -> list[tuple[str, str]]:
+    names = _channel_names(robot)
+    table = [('dead time', _text(drive.dead_time, 1000.0, 'ms', 0)),
+             ('lag', _text(drive.time_constant, 1000.0, 'ms', 0)),
+             ('acceleration', _text(drive.acceleration, 1.0, 'm/s^2', 2)),
+             ('yaw acceleration', _text(drive.yaw_acceleration, 1.0, 'rad/s^2', 1))]
+    units = ('m/s', 'm/s' if robot.drive == 'differential' else 'rad/s')
+    table += [(f'least speed, {name}', _text(least, 1.0, unit, 3))
+              for name, least, unit in zip(names, drive.least_speeds, units)]
+    table += [(f'speed, {name}', _text(scale, 100.0, '% of the command', 1))
+              for name, scale in zip(names, drive.scales)]
+    response = drive.response
+    for name, value, unit in (('step of speeds', drive.speed_step, 'm/s'),
+                              ('greatest speed', response.max_speed, 'm/s'),
+                              ('greatest yaw rate', response.max_yaw_rate, 'rad/s')):
+        if 0.0 < value < math.inf:
+            table.append((name, f'{value:.3f} {unit}'))
+    return table
+
+
+def _channel_names(robot: RoundRobot) -> tuple[str, str]:
+    return (('left wheel', 'right wheel') if robot.drive == 'differential'
+            else ('translation', 'rotation'))
+
+
+def _topic_rows(name: str, times: TopicTimes | None) -> Iterator[tuple[str, str]]:
+    if times is not None:
+        yield name, (f'{times.rate:.1f} Hz, {1000.0 * times.age:.0f} ms old '
+                     f'(99 %: {1000.0 * times.max_age:.0f} ms)')
+
+
+def _noise_rows(name: str, noise: Noise | None,
+                units: tuple[str, str]) -> Iterator[tuple[str, str]]:
+    if noise is not None:
+        yield name, (f'{1000.0 * noise.position:.2f} {units[0]}, '
+                     f'{1000.0 * noise.heading:.2f} {units[1]}')
+
+
+def _text(interval: Interval | None, factor: float, unit: str, digits: int) -> str:
+    if interval is None:
+        return 'not reached: as stated'
+    value, low, high = (f'{factor * number:.{digits}f}' for number in interval)
+    return f'{value} {unit} ({low} to {high})'
+
+
+def robot_entries(calibration: BaseCalibration) -> list[Entry]:
+    """
+    List the parameters of the robot, as measured, else as stated.
+
+    :return: (name, value, comment) of every parameter of ``RoundRobot`` that is finite.
+    """
+    robot, drive = calibration.recording.robot, calibration.drive
+    entries: list[Entry] = [('radius', robot.radius, 'as stated'),
+                            ('drive', robot.drive, 'as stated')]
+    if drive is None:
+        return entries + [(name, getattr(robot, name), 'not measured') for name in (
+            'max_speed', 'max_yaw_rate', 'max_acceleration', 'max_yaw_acceleration',
+            'time_constant', 'dead_time', 'min_speed', 'min_yaw_rate', 'speed_step', 'track')]
+    response = drive.response
+    entries += [_limit('max_speed', robot.max_speed, response.max_speed),
+                _limit('max_yaw_rate', robot.max_yaw_rate, response.max_yaw_rate),
+                _measured('max_acceleration', drive.acceleration, robot.max_acceleration),
+                _measured('max_yaw_acceleration', drive.yaw_acceleration,
+                          robot.max_yaw_acceleration),
+                _measured('time_constant', drive.time_constant, robot.time_constant),
+                _measured('dead_time', drive.dead_time, robot.dead_time)]
+    first, second = drive.least_speeds
+    if robot.drive == 'differential':
+        # Of both wheels the one that turns later.
+        known = [interval for interval in (first, second) if interval is not None]
+        entries.append(_least('min_speed', max(known, default=None), robot.min_speed))
+        entries.append(('min_yaw_rate', 0.0, 'of holonomic bases'))
+    else:
+        entries.append(_least('min_speed', first, robot.min_speed))
+        entries.append(_least('min_yaw_rate', second, robot.min_yaw_rate))
+    entries.append(('speed_step', _rounded(drive.speed_step), 'measured'))
+    entries.append(('track', robot.track, 'as stated'))
+    return entries
+
+
+def _limit(name: str, stated: float, reached: float) -> Entry:
+    if reached < stated:
+        return name, _rounded(reached), f'measured; stated: {stated:g}'
+    return name, stated, 'as stated; no lower limit was seen'
+
+
+def _measured(name: str, interval: Interval | None, stated: float) -> Entry:
+    if interval is None:
+        return name, stated, 'as stated; not reached'
+    return name, _rounded(interval.value), _comment(interval)
+
+
+def _least(name: str, interval: Interval | None, stated: float) -> Entry:
+    if interval is None:
+        return name, stated, 'as stated; no ramp moved the base'
+    value = interval.value if interval.value >= NO_LEAST_SPEED else 0.0
+    return name, _rounded(value), _comment(interval)
+
+
+def _comment(interval: Interval) -> str:
+    return f'95 %: {_rounded(interval.low):g} to {_rounded(interval.high):g}'
+
+
+def _rounded(value: float) -> float:
+    return round(value, DIGITS)
+
+
+def sensor_entries(calibration: BaseCalibration) -> list[Entry]:
+    """List the settings of simulated sensors that err as these do."""
+    entries: list[Entry] = []
+    for prefix, times in (('odometry', calibration.odometry_times),
+                          ('pose', calibration.object_times)):
+        if times is not None:
+            entries.append((f'{prefix}_rate', round(times.rate, 1), 'measured'))
+    if calibration.object_times is not None:
+        entries.append(('pose_latency', max(0.0, _rounded(calibration.object_times.age)),
+                        'median age'))
+    for names, noise in ((('odometry_speed_noise', 'odometry_yaw_rate_noise'),
+                          calibration.velocity_noise),
+                         (('pose_noise', 'pose_heading_noise'), calibration.object_noise)):
+        if noise is not None:
+            entries += [(names[0], _rounded(noise.position), 'at rest'),
+                        (names[1], _rounded(noise.heading), 'at rest')]
+    errors = calibration.errors
+    if errors is not None:
+        entries += [(name, _rounded(interval.value), _comment(interval)) for name, interval in (
+            ('odometry_scale', errors.scale), ('odometry_yaw_scale', errors.yaw_scale),
+            ('odometry_heading_drift', errors.heading_drift))]
+    return entries
+
+
+def controller_entries(calibration: BaseCalibration) -> list[tuple[str, list[Entry]]]:
+    """List parameters of the controller, by group."""
+    groups: list[tuple[str, list[Entry]]] = []
+    errors, noise = calibration.errors, calibration.object_noise
+    if errors is not None:
+        groups.append(('supervision', [
+            ('odometry_scale', max(MIN_NOISE, _rounded(_extent(errors.scale))),
+             'greatest error within the interval'),
+            ('odometry_drift', max(MIN_NOISE, _rounded(_extent(errors.heading_drift))),
+             'likewise')]))
+    if noise is not None:
+        groups.append(('control', [
+            ('pose_noise', max(MIN_NOISE, _rounded(noise.position)), 'at rest'),
+            ('heading_noise', max(MIN_NOISE, _rounded(noise.heading)), 'at rest')]))
+    return groups
+
+
+def _extent(interval: Interval) -> float:
+    return max(abs(interval.low), abs(interval.high))
+
+
+def files(calibration: BaseCalibration) -> dict[str, str]:
+    """
+    Write the files.
+
+    :return: texts by file name: ``robot.yaml`` and ``sensors.yaml`` for scenarios, ``params.yaml``
+        for the nodes, ``report.txt``.
+    """
+    robot = robot_entries(calibration)
+    params = ['# Of calibrate: behind your parameter file, as a second one.', '/**:',
+              '  ros__parameters:', '    robot:', *_lines(robot, 6)]
+    groups = controller_entries(calibration)
+    if groups:
+        params += ['/**/push_controller:', '  ros__parameters:']
+        for name, entries in groups:
+            params += [f'    {name}:', *_lines(entries, 6)]
+    sensors = sensor_entries(calibration)
+    head = '# Of calibrate: intervals are those of 95 %.'
+    return {'robot.yaml': '\n'.join([head, *_lines(robot, 0)]) + '\n',
+            'sensors.yaml': '\n'.join([head, *(_lines(sensors, 0) or ['{}'])]) + '\n',
+            'params.yaml': '\n'.join(params) + '\n',
+            'report.txt': summary(calibration) + '\n'}
+
+
+def _lines(entries: list[Entry], indent: int) -> list[str]:
+    return [f'{" " * indent}{name}: {".inf" if value == math.inf else value}  # {comment}'
+            for name, value, comment in entries]

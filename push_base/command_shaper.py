@@ -1,0 +1,175 @@
+"""
+Commands that a base can follow: what it cannot drive slowly, it drives in pulses.
+
+Wheels that turn from a least speed on get 0 or more than that, so that the mean is right. With the
+desired speed w, the sent one s, and the least one m, the debt d is the distance still owed
+(sigma-delta modulation):
+
+    |w| >= m:   s = w,   d = 0
+    else:       d' = w - s;   where |d| reaches m T / 2:  s = m d / |d| for a pulse T;   else s = 0
+
+so that d stays within m T / 2 and a step of the command. This is done for each wheel of a
+differential drive, and for translation, as a vector, and rotation of a holonomic base. Speeds that
+a base rounds to steps are chosen likewise, with the debt of the rounding.
+"""
+
+import math
+
+from push_base.base_knowledge import BaseKnowledge
+from push_model.parameters import RoundRobot
+from push_model.signals import STOP, Twist
+from push_model.wheels import twist_of_wheels, wheel_speeds
+
+# Height of a pulse over the least speed that is known: (most, least). Chosen: a value too high by
+# a factor of two costs nothing, one too low by a tenth moves nothing; see docs/robots/any_base.md.
+MARGINS = 2.2, 1.1
+# Greatest height times duration of a pulse, as far as the least margin allows [m]; chosen: a
+# little above the tolerance of goals, as the lag of a drive evens it out.
+MAX_QUANTUM = 0.02
+# Time between two commands after which what is owed is forgotten [s]; chosen: time-out of bases.
+MAX_PERIOD = 0.5
+# Rounding of times [s].
+TIME_ROUNDING = 1e-6
+
+Vector = tuple[float, float]
+
+
+class _Channel:
+    """One wheel, or translation or rotation: a vector of speeds, and what is owed of it."""
+
+    def __init__(self) -> None:
+        self.clear()
+
+    def clear(self) -> None:
+        """Owe nothing."""
+        self._debt: Vector = (0.0, 0.0)
+        self._desired: Vector = (0.0, 0.0)
+        self._sent: Vector = (0.0, 0.0)
+        # Time that the pulse lasts yet [s].
+        self._remaining = 0.0
+
+    def shape(self, desired: Vector, dt: float, least: float, pulse: float,
+              step: float) -> Vector:
+        """
+        Choose what to send.
+
+        :param desired: speed (x, y) that is desired from now on.
+        :param dt: time for which the last one was sent [s].
+        :param least: height of a pulse; 0 for none.
+        :param pulse: its duration [s].
+        :param step: to which the base rounds; 0 for none.
+        """
+        self._debt = (self._debt[0] + (self._desired[0] - self._sent[0]) * dt,
+                      self._debt[1] + (self._desired[1] - self._sent[1]) * dt)
+        self._remaining -= dt
+        self._desired = desired
+        if math.hypot(*desired) >= least:
+            self._remaining = 0.0
+            self._sent = self._rounded(desired, pulse, step)
+        elif self._remaining <= TIME_ROUNDING:
+            self._sent = self._next_pulse(least, pulse)
+        return self._sent
+
+    def _next_pulse(self, least: float, pulse: float) -> Vector:
+        """Send a pulse where so much is owed, else nothing."""
+        owed = math.hypot(*self._debt)
+        if owed < 0.5 * least * pulse:
+            return 0.0, 0.0
+        self._remaining = pulse
+        return least * self._debt[0] / owed, least * self._debt[1] / owed
+
+    def _rounded(self, desired: Vector, pulse: float, step: float) -> Vector:
+        """Round a speed so that its mean is right."""
+        if step == 0.0:
+            self._debt = 0.0, 0.0
+            return desired
+        bound = 0.5 * step * pulse
+        owed_x, owed_y = (min(bound, max(-bound, debt)) for debt in self._debt)
+        self._debt = owed_x, owed_y
+        speed = math.hypot(*desired)
+        if speed == 0.0:
+            return desired
+        along = (owed_x * desired[0] + owed_y * desired[1]) / speed
+        ratio = step * round((speed + along / pulse) / step) / speed
+        return ratio * desired[0], ratio * desired[1]
+
+
+class CommandShaper:
+    """
+    Shapes commands for a base.
+
+    ``knowledge``: ``BaseKnowledge`` by which it does so, from the next command on.
+    """
+
+    def __init__(self, robot: RoundRobot) -> None:
+        """
+        Start with what is stated.
+
+        :param robot: the ``RoundRobot``, nominal.
+        """
+        self._robot = robot
+        self._channels = _Channel(), _Channel()
+        self._time = -math.inf
+        self.knowledge = BaseKnowledge.stated(robot)
+
+    def shape(self, command: Twist, time: float) -> Twist:
+        """
+        Choose what to send.
+
+        :param command: ``Twist`` that is desired from now on, finite.
+        :param time: now [s].
+        :return: ``Twist``; the command itself where the base can follow it.
+        """
+        dt, self._time = time - self._time, time
+        if command == STOP or not 0.0 <= dt <= MAX_PERIOD:
+            for channel in self._channels:
+                channel.clear()
+            dt = 0.0
+        if command == STOP or not self._is_needed:
+            return command
+        if self._robot.drive == 'differential':
+            return self._shape_wheels(command, dt)
+        return self._shape_axes(command, dt)
+
+    @property
+    def _is_needed(self) -> bool:
+        known = self.knowledge
+        return known.min_speed + known.min_yaw_rate + self._robot.speed_step > 0.0
+
+    def _shape_wheels(self, command: Twist, dt: float) -> Twist:
+        known, robot = self.knowledge, self._robot
+        least = pulse_height(known.min_speed, known.pulse, MAX_QUANTUM)
+        desired = wheel_speeds(command, robot.wheel_track)
+        left, right = (
+            channel.shape((speed, 0.0), dt, least, known.pulse, robot.speed_step)[0]
+            for channel, speed in zip(self._channels, desired))
+        # Going to wheels and back would change the last digit.
+        if (left, right) == desired:
+            return command
+        return twist_of_wheels(left, right, robot.wheel_track)
+
+    def _shape_axes(self, command: Twist, dt: float) -> Twist:
+        known, robot = self.knowledge, self._robot
+        lever = 0.5 * robot.wheel_track
+        translation, rotation = self._channels
+        v_x, v_y = translation.shape(
+            (command.v_x, command.v_y), dt,
+            pulse_height(known.min_speed, known.pulse, MAX_QUANTUM), known.pulse,
+            robot.speed_step)
+        omega, _ = rotation.shape(
+            (command.omega, 0.0), dt,
+            pulse_height(known.min_yaw_rate, known.pulse, MAX_QUANTUM / lever), known.pulse,
+            robot.speed_step / lever)
+        return Twist(v_x, v_y, omega)
+
+
+def pulse_height(least: float, pulse: float, quantum: float) -> float:
+    """
+    Choose the height of pulses.
+
+    :param least: speed from which on the base moves [m/s or rad/s].
+    :param pulse: duration of a pulse [s].
+    :param quantum: greatest distance or angle that a pulse should go [m or rad].
+    """
+    most, fewest = MARGINS
+    return min(most * least, max(fewest * least, quantum / pulse))

@@ -1,0 +1,1 @@
+"""The command that calibrates a base: over ROS, or a simulated one."""

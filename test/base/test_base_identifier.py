@@ -1,0 +1,162 @@
+"""What is learned of a base from its motion: dead time, least speeds, length of pulses."""
+
+import dataclasses
+import math
+
+import numpy as np
+from push_base.base_identifier import BaseIdentifier
+from push_base.base_knowledge import BaseKnowledge, PULSE
+from push_base.command_shaper import CommandShaper
+from push_model.geometry import Pose
+from push_model.parameters import RoundRobot
+from push_model.signals import Odometry, STOP, Twist
+from push_sim_node.drive_imperfections import DriveImperfections
+from push_sim_node.imperfect_drive import ImperfectDrive
+import pytest
+
+PERIOD = 0.02
+DRIVES = 'differential', 'holonomic'
+NOMINAL = {'max_speed': 0.3, 'max_yaw_rate': 1.9, 'max_acceleration': 0.9, 'track': 0.23}
+
+
+def robot_of(drive, **fields):
+    """Return a robot as in the benchmarks."""
+    return RoundRobot(0.17, drive=drive, **{**NOMINAL, **fields})
+
+
+def commands(drive, seed, count=400):
+    """Draw ramps to targets, as paths have them, with stops between."""
+    rng = np.random.default_rng(seed)
+    command, target = np.zeros(3), np.zeros(3)
+    for k in range(count):
+        if k % 60 == 0:
+            moves = rng.uniform() < 0.8
+            target = rng.uniform(-1.0, 1.0, 3) * (0.3, 0.3, 1.2) * moves
+        command = command + np.clip(target - command, -0.018, 0.018)
+        yield Twist(float(command[0]), float(command[1]) if drive == 'holonomic' else 0.0,
+                    float(command[2]))
+
+
+def learned(true, stated, sequence, faults=DriveImperfections(), noise=0.0):
+    """Return the identifier of a base that got commands through the shaper, and the base."""
+    rng = np.random.default_rng(11)
+    identifier, shaper = BaseIdentifier(stated), CommandShaper(stated)
+    base = ImperfectDrive(true, faults, Pose(0.0, 0.0, 0.0), 1.0)
+    for k, command in enumerate(sequence):
+        time = PERIOD * k
+        measured = Twist(*(np.array(base.odometry_twist)
+                           + noise * rng.standard_normal(3) * (1.0, 1.0, 4.0)).tolist())
+        identifier.observe(Odometry(time, base.odometry_pose, measured))
+        shaper.knowledge = identifier.knowledge
+        sent = shaper.shape(command, time)
+        identifier.add_command(sent, time)
+        base.command(sent)
+        for _ in range(5):
+            base.step(0.2 * PERIOD, (0.0, 0.0))
+    return identifier, base
+
+
+@pytest.mark.parametrize('drive', DRIVES)
+@pytest.mark.parametrize('lag', [0.05, 0.1, 0.15])
+@pytest.mark.parametrize('noise', [0.0, 0.005])
+def test_of_a_good_base_nothing_is_learned(drive, lag, noise):
+    """Whatever its lag is, within a half of what is stated, and with noise of odometry."""
+    identifier, _ = learned(robot_of(drive, time_constant=lag), robot_of(drive),
+                            commands(drive, 1), noise=noise)
+    assert identifier.has_dead_time
+    assert identifier.knowledge == BaseKnowledge()
+
+
+@pytest.mark.parametrize('drive', DRIVES)
+@pytest.mark.parametrize('lag', [0.05, 0.1, 0.12])
+@pytest.mark.parametrize('acceleration', [0.4, 0.9])
+@pytest.mark.parametrize('seed', [3, 4])
+def test_of_a_good_base_that_is_stopped_at_once_nothing_is_learned(drive, lag, acceleration,
+                                                                   seed):
+    """Its acceleration is what delays it, which is as stated."""
+    jumps = [command if k % 45 < 30 else STOP for k, command in enumerate(commands(drive, seed))]
+    stated = robot_of(drive, max_acceleration=acceleration, max_yaw_acceleration=4 * acceleration)
+    true = dataclasses.replace(stated, time_constant=lag)
+    identifier, _ = learned(true, stated, jumps)
+    assert identifier.has_dead_time
+    assert identifier.knowledge == BaseKnowledge()
+
+
+@pytest.mark.parametrize('drive', DRIVES)
+@pytest.mark.parametrize('dead_time', [0.1, 0.2, 0.3])
+@pytest.mark.parametrize('noise', [0.0, 0.005])
+def test_the_dead_time_is_found_within_two_seconds_of_driving(drive, dead_time, noise):
+    """To 0.04 s, which is what prediction needs."""
+    identifier, _ = learned(robot_of(drive, dead_time=dead_time), robot_of(drive),
+                            [Twist(0.25, 0.0, 0.5)] * 100, noise=noise)
+    assert identifier.knowledge.dead_time == pytest.approx(dead_time, abs=0.04)
+    assert identifier.knowledge.min_speed == identifier.knowledge.min_yaw_rate == 0.0
+
+
+def test_a_dead_time_that_is_stated_wrong_is_corrected():
+    """Also where there is none."""
+    stated = robot_of('differential', dead_time=0.3)
+    identifier, _ = learned(robot_of('differential'), stated, commands('differential', 2))
+    assert identifier.knowledge.dead_time == 0.0
+
+
+@pytest.mark.parametrize('drive', DRIVES)
+@pytest.mark.parametrize('least', [0.05, 0.08])
+@pytest.mark.parametrize('dead_time', [0.0, 0.2])
+def test_a_base_that_did_not_creep_creeps(drive, least, dead_time):
+    """After a fast drive it is asked for less than it can, learns that, and goes there."""
+    true = robot_of(drive, min_speed=least, min_yaw_rate=2.0 * least, dead_time=dead_time)
+    fast, slow = [Twist(0.25, 0.0, 0.0)] * 75, [Twist(0.03, 0.0, 0.0)] * 600
+    identifier, base = learned(true, robot_of(drive), [*fast, *slow])
+    _, only_fast = learned(true, robot_of(drive), [*fast, *[STOP] * 50])
+    assert 0.0 < identifier.knowledge.min_speed <= 0.13
+    assert base.odometry_pose.x - only_fast.odometry_pose.x > 0.15
+
+
+@pytest.mark.parametrize('drive', DRIVES)
+def test_pulses_get_longer_behind_a_ramp_and_come_back(drive):
+    """Short pulses never reach the least speed there; once they move the base they shrink."""
+    faults = DriveImperfections(output_min_speed=0.08, output_min_yaw_rate=0.15)
+    fast, slow = [Twist(0.25, 0.0, 0.0)] * 75, [Twist(0.03, 0.0, 0.0)] * 600
+    identifier, base = learned(robot_of(drive), robot_of(drive), [*fast, *slow], faults)
+    assert identifier.knowledge.min_speed > 0.0
+    _, fixed = learned(robot_of(drive), robot_of(drive, identify_base=False), [*fast, *slow],
+                       faults)
+    assert base.odometry_pose.x > fixed.odometry_pose.x + 0.05
+    assert PULSE <= identifier.knowledge.pulse <= 0.16
+
+
+def test_a_base_that_stands_above_the_cap_is_not_one_with_a_dead_band():
+    """It is blocked or off: no least speed explains that, and the guard has to stop it."""
+    identifier = BaseIdentifier(robot_of('differential'))
+    base = ImperfectDrive(robot_of('differential', min_speed=1e-9), DriveImperfections(),
+                          Pose(0.0, 0.0, 0.0), 1.0)
+    for k in range(200):
+        time = PERIOD * k
+        is_off = k > 100
+        identifier.observe(Odometry(time, base.odometry_pose,
+                                    STOP if is_off else base.odometry_twist))
+        command = Twist(0.2, 0.0, 0.0)
+        identifier.add_command(command, time)
+        base.command(command)
+        base.step(PERIOD, (0.0, 0.0))
+    assert identifier.knowledge.min_speed == 0.0
+
+
+def test_what_was_sent_by_others_is_no_evidence():
+    """After a pause in which the base was moved by somebody, nothing of before counts."""
+    identifier, _ = learned(robot_of('differential', dead_time=0.2), robot_of('differential'),
+                            commands('differential', 3))
+    known = identifier.knowledge
+    identifier.forget()
+    for k in range(50):
+        identifier.observe(Odometry(100.0 + PERIOD * k, Pose(0.0, 0.0, 0.0),
+                                    Twist(0.3 * math.sin(k), 0.0, 0.0)))
+    assert identifier.knowledge == known
+
+
+def test_where_it_is_told_so_all_stays_as_stated():
+    stated = robot_of('differential', identify_base=False, dead_time=0.1, min_speed=0.02)
+    identifier, _ = learned(robot_of('differential', dead_time=0.3, min_speed=0.08), stated,
+                            commands('differential', 4))
+    assert identifier.knowledge == BaseKnowledge(0.1, 0.02)

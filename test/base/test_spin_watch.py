@@ -1,0 +1,82 @@
+"""Wheels that spin at an object are told from good pushes and from faults of trackers."""
+
+import math
+
+from helpers.objects import box
+import numpy as np
+from push_base.push_force import force_warning
+from push_base.spin_watch import SpinWatch
+from push_model.geometry import Pose
+from push_model.parameters import RoundRobot
+from push_model.signals import ObjectPose
+import pytest
+
+PERIOD, SPEED = 0.02, 0.15
+
+
+def watched(object_pose, seconds=3.0, noise=0.002, latency=0.08, seed=0):
+    """
+    Return whether wheels were found spinning, or the object creeping, at any time.
+
+    :param object_pose: function of what the wheels have driven [m], in a frame where the robot
+        pushes along x at the origin.
+    """
+    rng, watch = np.random.default_rng(seed), SpinWatch(object_pose(0.0))
+    spun = crept = False
+    for k in range(round(seconds / PERIOD)):
+        time = PERIOD * k
+        watch.add_distance(time, SPEED * time)
+        if k % 3 == 0 and time >= latency:
+            x, y, theta = object_pose(SPEED * (time - latency))
+            e_x, e_y, e_theta = noise * rng.standard_normal(3) * (1.0, 1.0, 2.5)
+            watch.add_object_pose(
+                ObjectPose(time - latency, Pose(x + e_x, y + e_y, theta + e_theta)),
+                (x - 0.2, y), 0.0, noise)
+        spun, crept = spun or watch.is_spinning, crept or watch.is_creeping
+    return spun, crept
+
+
+@pytest.mark.parametrize('seed', range(10))
+@pytest.mark.parametrize('ratio', [0.0, 0.15, 0.6, 0.9, 1.0])
+def test_an_object_that_stops_while_the_wheels_turn_is_found(seed, ratio):
+    """It moves for 5 cm, then by a part of what the wheels turn: below 0.3 that is spinning."""
+    spun, _ = watched(lambda s: Pose(min(s, 0.05) + ratio * max(0.0, s - 0.05), 0.0, 0.0),
+                      seed=seed)
+    assert spun == (ratio < 0.3)
+
+
+@pytest.mark.parametrize('seed', range(10))
+def test_a_long_arc_is_no_spinning(seed):
+    """The object rotates about a point beside the contact, and goes on along the push."""
+    radius = 0.5
+
+    def along_arc(s):
+        return Pose(radius * math.sin(s / radius), radius * (1.0 - math.cos(s / radius)),
+                    0.5 * s / radius)
+
+    assert watched(along_arc, seed=seed) == (False, False)
+
+
+@pytest.mark.parametrize('seed', range(10))
+@pytest.mark.parametrize('pose', [lambda s: Pose(1.0, 2.0, 0.3), lambda s: Pose(-s, 0.0, 0.0),
+                                  lambda s: Pose(0.0, s, 0.0)],
+                         ids=['another object', 'mirrored', 'other axes'])
+def test_a_fault_of_the_tracker_is_no_spinning(seed, pose):
+    """The object does not move along the push at any time."""
+    assert watched(pose, seed=seed) == (False, False)
+
+
+@pytest.mark.parametrize('seed', range(10))
+def test_an_object_that_creeps_by_millimetres_is_found(seed):
+    """It never moves far enough to be seen in one pose."""
+    _, crept = watched(lambda s: Pose(min(0.005, 0.05 * s), 0.0, 0.0), seed=seed)
+    assert crept
+
+
+def test_the_forces_are_compared_before_the_first_push():
+    """A warning has both; where no force is stated there is none."""
+    obj = box(mass=5.0)
+    assert force_warning(obj, RoundRobot(0.17)) == ''
+    assert force_warning(obj, RoundRobot(0.17, max_push_force=15.0)) == ''
+    warning = force_warning(obj, RoundRobot(0.17, max_push_force=12.0))
+    assert '15 N' in warning and '12 N' in warning
