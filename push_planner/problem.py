@@ -6,16 +6,15 @@ import math
 from typing import Any, Mapping, NamedTuple, Optional
 
 from push_model.contact import (
-    contact_point, curvature_radius, find_contact, rolling_constants, RollingConstants,
-)
+    contact_point, curvature_radius, find_contact, rolling_constants, RollingConstants)
 from push_model.dynamics import ObjectTerms
 from push_model.friction import check_tipping
 from push_model.geometry import Coordinates, Pose, wrap_angle
 from push_model.parameters import Contact, PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure
 from push_model.quasi_static import pushed_friction_center, Vehicle, vehicle
-from push_planner.push_parameters import PushKind, PushParameters
 from push_planner.settings import PlannerSettings
+from push_planner.steered.push_parameters import PushKind, PushParameters
 
 
 # Of the last objects and contacts: of one object some problems are planned, as its goal moves.
@@ -176,13 +175,10 @@ def problem_from_placement(obj: PushedObject, robot: RoundRobot, object_pose: Co
 
     A gap or an overlap within ``contact_tolerance`` counts as contact.
 
-    :param obj: the nominal ``PushedObject``.
-    :param robot: the ``RoundRobot``.
     :param object_pose: ``Pose`` of the object in the world.
     :param robot_pose: ``Pose`` of the robot in the world.
     :param goal: ``Pose`` of the object in the world at the end.
     :param settings: ``PlannerSettings``, or None for the defaults.
-    :return: ``PushProblem``.
     :raises PlanningFailed: where a pose is not finite or the robot is not at the object.
     """
     settings = settings or PlannerSettings()
@@ -216,7 +212,6 @@ def check_robot_is_round(robot: RoundRobot) -> None:
     """
     Refuse a robot that is not round.
 
-    :param robot: the ``RoundRobot``.
     :raises PlanningFailed: where its radius is infinite.
     """
     if math.isinf(robot.radius):
@@ -229,7 +224,6 @@ def check_object_stands(obj: PushedObject) -> None:
     """
     Refuse an object that tips when it is pushed at its contact height.
 
-    :param obj: the ``PushedObject``.
     :raises PlanningFailed: with the height at which it tips.
     """
     try:

@@ -1,1 +1,1 @@
-"""Planner over ROS 2: requests for push sequences and the answers to them."""
+"""Planner over ROS 2: requests of tasks and the answers to them."""

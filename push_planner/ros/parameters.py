@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 from push_model.parameters import PushedObject, RoundRobot
 from push_navigation.settings import DriveSettings, MapSettings
-from push_planner.settings import PlannerSettings, TaskSettings
+from push_planner.settings import PlannerSettings
 
 
 class PlannerParameters(NamedTuple):
@@ -14,14 +14,12 @@ class PlannerParameters(NamedTuple):
     :param object: the ``PushedObject`` to be prepared for.
     :param robot: the ``RoundRobot``.
     :param planner: ``PlannerSettings``.
-    :param drive: ``DriveSettings``; for sequences.
-    :param task: ``TaskSettings``; for sequences.
-    :param map_settings: ``MapSettings``; for sequences.
+    :param drive: ``DriveSettings``; for tasks.
+    :param map_settings: ``MapSettings``; for tasks.
     """
 
     object: PushedObject
     robot: RoundRobot
     planner: PlannerSettings
     drive: DriveSettings
-    task: TaskSettings
     map_settings: MapSettings

@@ -6,8 +6,8 @@ import threading
 from push_model.parameters import RoundRobot
 from push_model.plan_request import PlanRequest
 from push_navigation.settings import DriveSettings
-from push_planner.primitive_push.planner import checked_request, primitives_for
 from push_planner.problem import PlanningFailed
+from push_planner.straight.planner import checked_request, primitives_for
 
 # Time that loading may take before the node goes on meanwhile [s]; chosen: a file takes some tens
 # of milliseconds, what is in memory far less, and a new object seconds.
@@ -32,8 +32,6 @@ class PrimitiveLoader:
         Begin to load, unless that was done, and tell whether it goes on; one after the other.
 
         :param request: ``PlanRequest``, the same one each time.
-        :param robot: the ``RoundRobot``.
-        :param drive: ``DriveSettings``.
         """
         if request is not self._request:
             if self._thread.is_alive():

@@ -1,1 +1,0 @@
-"""Sequences of pushes to any goal: candidates, search and costs."""

@@ -1,1 +1,0 @@
-"""One push to a goal: feasibility, contact sites, planning and replanning."""

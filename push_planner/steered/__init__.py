@@ -1,0 +1,1 @@
+"""Steered pushes: feasibility, contact sites, planning by collocation, and replanning."""

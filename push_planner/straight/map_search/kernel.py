@@ -1,0 +1,74 @@
+"""
+Best-first search over straight pushes: weighted A* in (x, y, theta, face), compiled.
+
+A node is a pose of the object, the face that was pushed last and the place of the robot after it.
+Its ``successors`` are the straight pushes whose first contact the robot reaches, as long as
+neither meets an obstacle. Nodes come in the order of g + w h, with the ``estimate`` h of what
+remains. The search ends at a node from which the floor is open up to the goal, or in a push that
+ends at the goal itself.
+"""
+
+from push_dynamics.compiled import compiled
+from push_planner.straight.map_search.estimate import estimate, is_open
+from push_planner.straight.map_search.object_distance import UNREACHED
+from push_planner.straight.map_search.priority_queue import push, remove_first
+from push_planner.straight.map_search.problem import (
+    CLOSED, COST, EXPANDED, FACE, FINAL, LENGTH, Memory, NEAREST, NODES, PARENT, Problem, PUSH,
+    Query, QUEUED, ROBOT_X, ROBOT_Y, THETA, X, Y,
+)
+from push_planner.straight.map_search.successors import expand
+
+# How a search ends, where it finds nothing: all nodes are expanded, or as many as allowed.
+EXHAUSTED, LIMIT = -1, -2
+
+
+@compiled
+def add_start(query: Query, memory: Memory) -> None:
+    """
+    Write the first node.
+
+    :param memory: ``Memory``, with all slots -1 and all counters 0.
+    """
+    node, link = memory.nodes[0], memory.links[0]
+    node[X], node[Y], node[THETA] = query.start.x, query.start.y, query.start.theta
+    node[COST], node[LENGTH] = 0.0, 0.0
+    node[ROBOT_X], node[ROBOT_Y] = query.robot.x, query.robot.y
+    link[FACE], link[PARENT], link[PUSH], link[FINAL], link[CLOSED] = -1, -1, -1, 0, 0
+    memory.counters[NODES] = 1
+
+
+@compiled
+def search(problem: Problem, memory: Memory) -> int:
+    """
+    Search.
+
+    :param memory: ``Memory``, with all slots -1 and all counters 0.
+    :return: index of the node at which the search ends, ``EXHAUSTED`` or ``LIMIT``.
+    """
+    query, guide, counters = problem.query, problem.guide, memory.counters
+    add_start(query, memory)
+    nearest = estimate(guide, query, query.start.x, query.start.y, query.start.theta, 0)
+    if nearest >= UNREACHED:
+        return EXHAUSTED
+    counters[QUEUED] = push(memory.keys, memory.items, 0, query.settings.weight * nearest, 0)
+    while counters[QUEUED] > 0:
+        index = memory.items[0]
+        counters[QUEUED] = remove_first(memory.keys, memory.items, counters[QUEUED])
+        if memory.links[index, CLOSED] == 1:
+            continue
+        memory.links[index, CLOSED] = 1
+        counters[EXPANDED] += 1
+        node = memory.nodes[index]
+        if index > 0 and (memory.links[index, FINAL] == 1
+                          or is_open(problem.scene.floor, query, node[X], node[Y])):
+            return index
+        remaining = estimate(guide, query, node[X], node[Y], node[THETA], 0)
+        if remaining < nearest:
+            nearest = remaining
+            counters[NEAREST] = index
+        free_nodes = memory.nodes.shape[0] - counters[NODES]
+        if (counters[EXPANDED] >= query.max_expansions
+                or free_nodes < 4 * problem.pushes.starts.shape[0]):
+            return LIMIT
+        expand(problem, memory, index)
+    return EXHAUSTED
