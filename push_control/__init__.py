@@ -11,18 +11,18 @@ from typing import TYPE_CHECKING
 from push_model.files.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from push_control.observation import Observation
-    from push_control.push.controller import Controller
     from push_control.settings import ControlSettings
-    from push_control.task.settings import SupervisionSettings
+    from push_control.steered.controller import Controller
+    from push_control.supervision_settings import SupervisionSettings
     from push_control.task.supervisor import Supervisor
+    from push_model.observation import Observation
 
 __all__ = ['ControlSettings', 'Controller', 'Observation', 'SupervisionSettings', 'Supervisor']
 
 __getattr__, __dir__ = lazy_names(__name__, {
-    'push_control.observation': ('Observation',),
-    'push_control.push.controller': ('Controller',),
+    'push_model.observation': ('Observation',),
+    'push_control.steered.controller': ('Controller',),
     'push_control.settings': ('ControlSettings',),
-    'push_control.task.settings': ('SupervisionSettings',),
+    'push_control.supervision_settings': ('SupervisionSettings',),
     'push_control.task.supervisor': ('Supervisor',),
 })

@@ -6,7 +6,7 @@ import math
 from typing import NamedTuple
 
 from push_model.geometry import Pose
-from push_model.plan_request import LARGEST_TOLERANCE, LEAST_TOLERANCE
+from push_model.plan_request import MAX_TOLERANCE, MIN_TOLERANCE
 
 
 class PushState(enum.Enum):
@@ -40,6 +40,23 @@ class GoalOutcome(enum.Enum):
     INTERRUPTED = 'interrupted'
 
 
+class TaskFailure(enum.Enum):
+    """Why a task was given up."""
+
+    # Planning failed twice from the same place.
+    NO_PLAN = 'no plan'
+    NO_PROGRESS = 'no progress'
+    # A single push has failed.
+    PUSH_FAILED = 'push failed'
+    NOT_AT_REST = 'not at rest'
+    # Poses or odometry do not come, or cannot be used.
+    NO_MEASUREMENTS = 'no measurements'
+    # The safety layer has stopped the robot too often.
+    ROBOT_STOPPED = 'robot stopped'
+    # The wheels spin, and the object hardly moves.
+    TOO_HEAVY = 'too heavy'
+
+
 @dataclasses.dataclass(frozen=True)
 class PushGoal:
     """
@@ -64,12 +81,25 @@ class PushGoal:
             raise ValueError(f'goal: got {self.pose}, expected three finite numbers')
         for name in ('position_tolerance', 'heading_tolerance'):
             value = getattr(self, name)
-            if value is not None and not LEAST_TOLERANCE <= value <= LARGEST_TOLERANCE:
+            if value is not None and not MIN_TOLERANCE <= value <= MAX_TOLERANCE:
                 raise ValueError(f'goal: {name}: got {value:g}, expected a number from '
-                                 f'{LEAST_TOLERANCE:g} to {LARGEST_TOLERANCE:g}')
+                                 f'{MIN_TOLERANCE:g} to {MAX_TOLERANCE:g}')
         if not self.time_limit > 0.0:
             raise ValueError(f'goal: time_limit: got {self.time_limit:g}, expected a number '
                              'above 0 [s]')
+
+
+class TaskGoal(NamedTuple):
+    """
+    Goal of a task that is under way.
+
+    :param pose: goal ``Pose`` of the object in the world.
+    :param since: time up to which object poses tell nothing of where the object is [s]: somebody
+        may have moved it before the goal came. Minus infinity where they do.
+    """
+
+    pose: Pose
+    since: float = -math.inf
 
 
 class GoalProgress(NamedTuple):

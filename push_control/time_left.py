@@ -6,7 +6,7 @@ from push_model.parameters import PushedObject
 
 # Part of the first error that must be gone before an estimate is made; chosen: less means little,
 # as the robot has to drive around the object first.
-LEAST_PROGRESS = 0.2
+MIN_PROGRESS = 0.2
 
 
 class TimeLeftEstimator:
@@ -42,6 +42,6 @@ class TimeLeftEstimator:
             return 0.0
         self._first_error = max(self._first_error, error)
         achieved = self._first_error - error
-        if achieved <= LEAST_PROGRESS * self._first_error:
+        if achieved <= MIN_PROGRESS * self._first_error:
             return 0.0
         return elapsed_time * error / achieved

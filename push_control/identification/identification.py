@@ -42,6 +42,7 @@ from push_model.analysis.sliding_contact import SupportArrays
 from push_model.analysis.slow_push import integrate_slow_pushes, Shape
 from push_model.friction import friction_center
 from push_model.geometry import FloatArray, wrap_angles
+from push_model.interval import Interval
 from push_model.parameters import PushedObject, Support
 from scipy.linalg import null_space
 from scipy.stats import norm, t as student
@@ -64,34 +65,16 @@ LOG_SPREAD = 0.3
 LOG_FRICTION = 0.6
 PATTERN = 0.3
 # A support keeps at least this part of its friction: so that F stays inside.
-LEAST_SHARE = 0.02
+MIN_SHARE = 0.02
 CONFIDENCE = 0.95
 # Least degrees of freedom. Chosen: one push that tells nearly all leaves about the prior.
-LEAST_DEGREES = 3.0
+MIN_DEGREES = 3.0
 # Huber's threshold, in standard deviations of a push's root mean square. Chosen, as usual.
 OUTLIER = 2.0
 # Least standard deviation [m]. Measured on recordings of the plant: what the points of the paths
 # and the touch at the end leave; intervals then cover the truth about as often as stated.
-LEAST_SIGMA = 6e-4
+MIN_SIGMA = 6e-4
 NAMES = ('friction_center_x', 'friction_center_y', 'c_squared_ratio', 'contact_friction')
-
-
-class Interval(NamedTuple):
-    """
-    An identified number.
-
-    :param value: best estimate.
-    :param low: lower end of its interval.
-    :param high: upper end.
-    """
-
-    value: float
-    low: float
-    high: float
-
-    def covers(self, truth: float) -> bool:
-        """Return whether a number lies in the interval."""
-        return self.low <= truth <= self.high
 
 
 @dataclasses.dataclass(frozen=True)
@@ -190,7 +173,7 @@ def changed_supports(obj: PushedObject, unknowns: FloatArray) -> SupportArrays:
     shares = 1.0 + offsets @ np.linalg.pinv(covariance, rcond=1e-9) @ (unknowns[:2] - nominal)
     patterns = friction_patterns(positions, capacities)
     shares = shares + patterns[:, :len(unknowns) - len(NAMES)] @ unknowns[len(NAMES):]
-    changed = capacities * np.maximum(shares, LEAST_SHARE)
+    changed = capacities * np.maximum(shares, MIN_SHARE)
     center = changed @ positions / changed.sum()
     return SupportArrays(center + math.exp(0.5 * unknowns[2]) * (positions - center),
                          changed * (total / changed.sum()))
@@ -279,9 +262,9 @@ def _weights(left: FloatArray, unknowns: int) -> tuple[float, FloatArray]:
     """Estimate the standard deviation of what is left [m], and weights (3 n,) of the pushes."""
     degrees = max(1.0, len(left) - unknowns)
     sizes = np.sqrt((left.reshape(-1, 3) ** 2).mean(axis=1))
-    typical = max(LEAST_SIGMA, float(np.median(sizes)) * math.sqrt(len(left) / degrees))
+    typical = max(MIN_SIGMA, float(np.median(sizes)) * math.sqrt(len(left) / degrees))
     weights = np.repeat(np.minimum(1.0, OUTLIER * typical / np.maximum(sizes, 1e-12)), 3)
-    return max(LEAST_SIGMA, math.sqrt(float(weights @ left ** 2) / degrees)), weights
+    return max(MIN_SIGMA, math.sqrt(float(weights @ left ** 2) / degrees)), weights
 
 
 def _margins(slope: FloatArray, left: FloatArray, weights: FloatArray,
@@ -308,7 +291,7 @@ def _margins(slope: FloatArray, left: FloatArray, weights: FloatArray,
     deviations = np.maximum(np.sqrt(np.diag(covariance)), jackknife)
     shares = np.einsum('ab,jbc,ca->ja', covariance, informations, covariance)
     telling = shares.sum(axis=0) ** 2 / np.maximum((shares ** 2).sum(axis=0), 1e-300)
-    quantiles = student.ppf(0.5 * (1.0 + CONFIDENCE), np.maximum(LEAST_DEGREES, telling))
+    quantiles = student.ppf(0.5 * (1.0 + CONFIDENCE), np.maximum(MIN_DEGREES, telling))
     # Nothing is known worse than before the first push.
     believed = doubts * float(norm.ppf(0.5 * (1.0 + CONFIDENCE)))
     return np.minimum(quantiles * deviations, believed)

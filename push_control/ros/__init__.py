@@ -1,1 +1,1 @@
-"""Controller over ROS 2: its operating modes, their messages and reports."""
+"""Controller over ROS 2: the pursuit of goals, its messages and reports."""

@@ -51,7 +51,6 @@ class BaseCheck:
         """
         Wait for the first inquiry.
 
-        :param node: the ``PushNode``.
         :param settings: ``BaseSettings``; without a node there is nothing to check.
         """
         self._node = node

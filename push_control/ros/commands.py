@@ -31,9 +31,7 @@ class CommandPublisher:
         """
         Start silent.
 
-        :param node: the ``PushNode``.
         :param frame: id of the robot's frame, in whose axes commands are.
-        :param options: ``ControllerOptions``.
         :param others: ``OtherCommanders``, who get to know what is published here.
         """
         self._others = others

@@ -1,5 +1,5 @@
 """
-The one entry of goals: from ``goal_pose``, or a program, to the mode that pursues them.
+The one entry of goals: from ``goal_pose``, or a program, to their pursuit.
 
 One goal is pursued at a time; another one replaces it. A goal is taken when it comes, and the
 stamp of its message is no appointment: the clock of an operator's computer may be wrong. Only in
@@ -8,16 +8,19 @@ lockstep, where there is but one clock, a goal holds from the time of its stamp 
 
 import dataclasses
 import math
-from typing import Any, Callable, NamedTuple
+from typing import Any, Callable, NamedTuple, TYPE_CHECKING
 
 from push_control.goal import GoalOutcome, GoalProgress, PushGoal
-from push_control.ros.mode import Mode
+from push_control.ros.start_state import StartState
 from push_model.geometry import Pose
 from push_model.signals import ObjectPose
 from push_ros.conversions.measurements import from_object_pose_message
-from push_ros.conversions.primitives import seconds
+from push_ros.conversions.primitives import MessageRefused, seconds
 from push_ros.diagnostics import OK
 from push_ros.node import PushNode
+
+if TYPE_CHECKING:  # It is imported once the node has reported.
+    from push_control.ros.pursuit import GoalPursuit
 
 # Difference between a goal's stamp and the clock of the node that is worth a line in the log [s];
 # chosen: longer than a message takes, shorter than what confuses an operator.
@@ -32,7 +35,6 @@ class GoalFeedback(NamedTuple):
     """
     How a goal is doing.
 
-    :param progress: ``GoalProgress``.
     :param elapsed_time: since the goal was taken [s].
     :param time_left: until its time limit [s], infinite without one.
     """
@@ -53,9 +55,8 @@ class GoalHandle:
 
     def __init__(self, goal: PushGoal, on_end: Callable[['GoalHandle'], None] | None) -> None:
         """
-        Begin the pursuit.
+        Start the pursuit.
 
-        :param goal: the ``PushGoal``.
         :param on_end: called with this handle once the outcome is known.
         """
         self.goal = goal
@@ -75,7 +76,6 @@ class GoalHandle:
         """
         Note how the pursuit ended.
 
-        :param outcome: the ``GoalOutcome``.
         :param reason: one sentence, or empty.
         """
         self.outcome = outcome
@@ -94,17 +94,16 @@ class _NextGoal(NamedTuple):
 class GoalEntry:
     """Takes goals, one at a time, and notes how each of them ends."""
 
-    def __init__(self, node: PushNode, mode: Mode, frame: str, *, is_lockstep: bool) -> None:
+    def __init__(self, node: PushNode, pursuit: 'GoalPursuit', frame: str, *,
+                 is_lockstep: bool) -> None:
         """
         Wait for a goal.
 
-        :param node: the ``PushNode``.
-        :param mode: the ``Mode``, which pursues them.
         :param frame: id of the world frame.
         :param is_lockstep: whether goals hold from the time of their stamps on.
         """
         self._node = node
-        self._mode = mode
+        self._pursuit = pursuit
         self._frame = frame
         self._is_lockstep = is_lockstep
         self._time = 0.0
@@ -126,15 +125,22 @@ class GoalEntry:
     @property
     def is_idle(self) -> bool:
         """Whether there is no goal, and the robot stands."""
-        return self._current is None and self._next is None and not self._mode.is_commanding
+        return self._current is None and self._next is None and not self._pursuit.is_commanding
+
+    @property
+    def refusal(self) -> str:
+        """Why no goal is taken at present, one sentence; empty where goals are taken."""
+        is_stopped = self._pursuit.start_state is StartState.STOPPED
+        return f'no goal is taken: {StartState.STOPPED.value}' if is_stopped else ''
 
     def on_message(self, message: Any) -> None:
         """
         Take a goal from a topic.
 
-        :param message: ``geometry_msgs/PoseStamped``.
-        :raises MessageRefused: where it cannot be used; the former goal stays.
+        :raises MessageRefused: where it cannot be used; the previous goal stays.
         """
+        if self.refusal:
+            raise MessageRefused(f'goal_pose: {self.refusal}')
         goal = from_object_pose_message(message, self._frame, 'goal_pose')
         if self._is_lockstep and goal.time > self._time:
             self._later = sorted([*self._later, goal])
@@ -149,13 +155,13 @@ class GoalEntry:
         """Whether a goal is the present one, which some source repeats."""
         current = self._current
         return (current is not None and current.pending_outcome is None and self._next is None
-                and self._mode.is_commanding and current.goal == PushGoal(pose))
+                and self._pursuit.is_commanding and current.goal == PushGoal(pose))
 
     def move(self, correction: Pose) -> None:
         """
         Move the present goal with the frame that it is in.
 
-        :param correction: ``Pose`` that takes the former goal to the new one,
+        :param correction: ``Pose`` that takes the previous goal to the new one,
             ``correction @ goal``.
         """
         if self._next is not None:
@@ -164,31 +170,29 @@ class GoalEntry:
         elif self._current is not None:
             goal = self._current.goal
             self._current.goal = dataclasses.replace(goal, pose=correction @ goal.pose)
-            self._mode.move_goal(correction)
+            self._pursuit.move_goal(correction)
 
     def start(self, goal: PushGoal, on_end: Callable[[GoalHandle], None] | None = None,
               prepare: Callable[[], None] | None = None) -> GoalHandle:
         """
         Take a goal, in place of the present one.
 
-        :param goal: the ``PushGoal``.
         :param on_end: called with the handle once the outcome is known.
         :param prepare: what has to be done before, while the robot stands and has no goal: it
             backs off from its object for that. None for a goal that is pursued at once.
-        :return: ``GoalHandle``.
         """
         handle = GoalHandle(goal, on_end)
         self._end_next(GoalOutcome.REPLACED, REPLACED)
         if prepare is None:
             self._end(GoalOutcome.REPLACED, REPLACED)
-            self._begin(handle)
+            self._start(handle)
             return handle
         self._next = _NextGoal(handle, prepare)
         if self._current is None:
-            self._mode.cancel(REPLACED)
+            self._pursuit.cancel(REPLACED)
         elif self._current.pending_outcome is None:
             self._abandon(self._current, GoalOutcome.REPLACED)
-        self._begin_next()
+        self._start_next()
         return handle
 
     def cancel(self) -> None:
@@ -204,7 +208,6 @@ class GoalEntry:
         """
         Note that the robot no longer pursues any goal, present or later.
 
-        :param outcome: the ``GoalOutcome``.
         :param reason: one sentence.
         """
         self._end_next(outcome, reason)
@@ -223,13 +226,13 @@ class GoalEntry:
             self.start(PushGoal(self._later.pop(0).pose))
         if self._current is not None:
             self._update_current(self._current, time)
-        self._begin_next()
+        self._start_next()
 
     def _update_current(self, current: GoalHandle, time: float) -> None:
         if current.start_time is None:
             current.start_time = time
         current.elapsed_time = time - current.start_time
-        progress = self._mode.progress
+        progress = self._pursuit.progress
         if current.pending_outcome is not None:
             self._end_abandoned(current)
         elif progress.outcome is not None:
@@ -251,17 +254,17 @@ class GoalEntry:
             if current.pending_outcome is None and current.elapsed_time > current.goal.time_limit:
                 self._abandon(current, GoalOutcome.TIMED_OUT)
             if current.pending_outcome is not None:
-                self._mode.halt(ODOMETRY_LOST)
+                self._pursuit.halt(ODOMETRY_LOST)
                 self._end(current.pending_outcome, ODOMETRY_LOST)
-        self._begin_next()
+        self._start_next()
 
     def feedback(self) -> GoalFeedback:
         """Return the ``GoalFeedback`` of the present goal, or of what the robot does without."""
-        current, progress = self._current, self._mode.progress
+        current, progress = self._current, self._pursuit.progress
         if current is None:
             return GoalFeedback(progress, 0.0, math.inf)
         if current.pending_outcome is not None:
-            # The mode knows the goal no more.
+            # The pursuit knows the goal no more.
             before = current.last_feedback.progress
             progress = progress._replace(position_error=before.position_error,
                                          heading_error=before.heading_error,
@@ -270,23 +273,23 @@ class GoalEntry:
                                              current.goal.time_limit - current.elapsed_time)
         return current.last_feedback
 
-    def _begin(self, handle: GoalHandle) -> None:
+    def _start(self, handle: GoalHandle) -> None:
         goal = handle.goal
         self._current = handle
         handle.taken_at = seconds(self._node.now())
         self._node.reporter.log(OK, f'has a goal at {goal.pose.x:.3f} m, {goal.pose.y:.3f} m, '
                                     f'{goal.pose.theta:.3f} rad')
-        self._mode.set_goal(goal)
+        self._pursuit.set_goal(goal)
 
-    def _begin_next(self) -> None:
-        """Begin with the goal that waits, where the robot stands."""
-        if self._next is None or self._mode.is_commanding:
+    def _start_next(self) -> None:
+        """Start with the goal that waits, where the robot stands."""
+        if self._next is None or self._pursuit.is_commanding:
             return
         if self._current is not None:
             self._end(self._current.pending_outcome or GoalOutcome.REPLACED, REPLACED)
         upcoming, self._next = self._next, None
         upcoming.prepare()
-        self._begin(upcoming.handle)
+        self._start(upcoming.handle)
 
     def _end_next(self, outcome: GoalOutcome, reason: str) -> None:
         upcoming, self._next = self._next, None
@@ -296,11 +299,11 @@ class GoalEntry:
     def _abandon(self, handle: GoalHandle, outcome: GoalOutcome) -> None:
         self.feedback()
         handle.pending_outcome = outcome
-        self._mode.cancel(outcome.value)
+        self._pursuit.cancel(outcome.value)
 
     def _end_abandoned(self, handle: GoalHandle) -> None:
-        if handle.pending_outcome is not None and not self._mode.is_commanding:
-            self._end(handle.pending_outcome, self._mode.progress.reason)
+        if handle.pending_outcome is not None and not self._pursuit.is_commanding:
+            self._end(handle.pending_outcome, self._pursuit.progress.reason)
 
     def _end(self, outcome: GoalOutcome, reason: str) -> None:
         if self._current is not None:

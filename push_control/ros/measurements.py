@@ -3,10 +3,10 @@
 import enum
 from typing import NamedTuple
 
-from push_control.observation import Observation
-from push_control.safety.stamp_check import MAX_DIFFERENCE
-from push_control.task.settings import SupervisionSettings
+from push_control.supervision_settings import SupervisionSettings
+from push_model.observation import Observation
 from push_model.signals import ObjectPose, Odometry
+from push_safety.tolerances import MAX_STAMP_OFFSET
 
 NANOSECOND = 1e-9
 # Odometry is lost, and not only late, after this many time-outs; chosen: 1 s by default.
@@ -51,9 +51,15 @@ class LatestMeasurements:
 
     def _forget_later_pose(self, time: float) -> None:
         """Forget an object pose of another clock, to which nothing could be compared before."""
-        if self.object_pose is not None and self.object_pose.time > time + MAX_DIFFERENCE:
+        if self.object_pose is not None and self.object_pose.time > time + MAX_STAMP_OFFSET:
             self.object_pose = None
             self.time = time
+
+    @property
+    def missing(self) -> list[str]:
+        """Topics on which nothing has come yet that can be used."""
+        return [name for name, measured in (('odom', self.odometry),
+                                            ('object_pose', self.object_pose)) if measured is None]
 
     @property
     def observation(self) -> Observation | None:
@@ -67,11 +73,7 @@ class CovarianceCheck:
     """Notices odometry that should be absolute and does not state how certain it is."""
 
     def __init__(self, settings: SupervisionSettings) -> None:
-        """
-        Start before the first odometry.
-
-        :param settings: ``SupervisionSettings``.
-        """
+        """Start before the first odometry."""
         self._is_expected = settings.odometry_reference == 'absolute'
         self._was_missing = False
 
@@ -79,7 +81,6 @@ class CovarianceCheck:
         """
         Check odometry.
 
-        :param odometry: ``Odometry``.
         :return: one sentence where its covariance is missing and was there, or is so at first;
             else empty.
         """
@@ -111,7 +112,6 @@ class OdometryCheck(NamedTuple):
     """
     Result of a look at the clock.
 
-    :param state: ``OdometryState``.
     :param age: of the last odometry [s], 0 before the first.
     :param is_news: whether that is worth a report.
     """

@@ -41,7 +41,6 @@ class OtherCommanders:
         """
         Look for other publishers.
 
-        :param node: the ``PushNode``.
         :param stamped: whether commands have a stamp.
         """
         self._node = node

@@ -6,7 +6,10 @@ from typing import Any, NamedTuple
 
 from push_model.plan_request import PlanRequest
 from push_ros.conversions.plan_request import to_request_message
-from push_ros.conversions.primitives import exact_stamp, NANOSECONDS, nanoseconds
+from push_ros.conversions.primitives import (
+    exact_stamp, MessageRefused, NANOSECONDS, nanoseconds,
+)
+from push_ros.diagnostics import WARN
 from push_ros.node import PushNode
 
 # Requests without a plan that are remembered, as their answers may be late; chosen: those of a
@@ -28,15 +31,18 @@ class PlanRequester:
         """
         Start without a request.
 
-        :param node: the ``PushNode``.
         :param frame: id of the world frame.
         :param is_lockstep: whether answers are awaited in measured time, and not on the wall,
             where planners live.
         """
+        self._node = node
         self._publisher = node.publisher('push_request')
+        self._topic = node.resolve_topic_name('push_request')
         self._logger = node.get_logger()
         self._frame = frame
         self._is_lockstep = is_lockstep
+        # Stamps of the last requests [ns], those included that are forgotten.
+        self._stamps: deque[int] = deque(maxlen=MAX_REQUESTS)
         self.reset()
 
     def reset(self) -> None:
@@ -61,6 +67,7 @@ class PlanRequester:
             if self._unanswered and self._unanswered[-1].request.goal != request.goal:
                 self.forget_unanswered()
             self._stamp = max(round(time * NANOSECONDS), self._stamp + 1)
+            self._stamps.append(self._stamp)
             self._unanswered.append(_SentRequest(request, self._stamp))
             self._requested_at = self._now(time)
             self._publisher.publish(to_request_message(request, exact_stamp(self._stamp),
@@ -79,6 +86,17 @@ class PlanRequester:
         """
         return self._request is not None and self._now(time) - self._requested_at > timeout
 
+    def describe_silence(self, timeout: float) -> str:
+        """
+        Tell who has not answered.
+
+        :param timeout: longest wait [s].
+        :return: one sentence.
+        """
+        count = self._publisher.get_subscription_count()
+        who = 'nobody subscribes' if count == 0 else f'{count} subscribers do not answer'
+        return f'no plan within {timeout:g} s: {who} {self._topic}'
+
     def request_answered_by(self, message: Any) -> PlanRequest | None:
         """
         Find the request that a plan answers, late as it may be.
@@ -87,19 +105,38 @@ class PlanRequester:
         :return: ``PlanRequest`` to the same goal as the last one, since there was a plan; or None.
         """
         stamp = nanoseconds(message.header.stamp)
-        found = next((sent.request for sent in self._unanswered if sent.stamp == stamp), None)
-        kind = ('an unrequested' if found is None else 'the awaited' if found is self._request
+        request = next((sent.request for sent in self._unanswered if sent.stamp == stamp), None)
+        kind = ('an unrequested' if request is None else 'the awaited' if request is self._request
                 else 'a late')
         self._logger.debug(f'receives {kind} plan')
-        return found
+        return request
 
-    def is_answered_again_by(self, message: Any) -> bool:
+    def report_unrequested(self, message: Any) -> None:
         """
-        Tell whether a plan answers the last request, which has its plan already.
+        Report a plan that answers no request of this node, and who may have sent it.
 
         :param message: message with a header.
         """
-        return not self._unanswered and nanoseconds(message.header.stamp) == self._stamp
+        is_own = nanoseconds(message.header.stamp) in self._stamps
+        reason = ('its request has been answered, or given up' if is_own
+                  else 'this node has not requested it')
+        self._node.reporter.report(WARN, f'push_plan: a plan is not driven, as {reason}; '
+                                         f'{self._senders}')
+
+    def refusal(self, error: ValueError) -> MessageRefused:
+        """
+        Make the error of an answer that cannot be driven, and say who may have sent it.
+
+        :param error: what is wrong with it.
+        """
+        return MessageRefused(f'push_plan: {str(error).removeprefix("push_plan: ")}; '
+                              f'{self._senders}')
+
+    @property
+    def _senders(self) -> str:
+        """Who publishes plans: rclpy does not tell which of them has sent a message."""
+        names = self._node.publishers_of('push_plan')
+        return f'push_plan is published by {" and ".join(names) or "nobody who is known by now"}'
 
     def _now(self, time: float) -> float:
         return time if self._is_lockstep else wall.monotonic()

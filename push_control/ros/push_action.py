@@ -11,9 +11,9 @@ import math
 from typing import Any, Callable, NamedTuple
 
 from builtin_interfaces.msg import Duration
-from push_control.goal import GoalOutcome, PushGoal, PushState
+from push_control.goal import GoalOutcome, GoalProgress, PushGoal, PushState
 from push_control.ros.base_check import BaseFault
-from push_control.ros.goal_entry import GoalEntry, GoalFeedback, GoalHandle
+from push_control.ros.goal_entry import GoalEntry, GoalHandle
 from push_control.time_left import TimeLeftEstimator
 from push_model.parameters import PushedObject
 from push_ros import qos
@@ -70,7 +70,6 @@ class _DeferringServer(ActionServer):
         """
         Run a callback that is given, which makes the result; do nothing at the beginning.
 
-        :param goal_handle: ``ServerGoalHandle``.
         :param execute_callback: takes it and returns the result; None at the beginning.
         """
         if execute_callback is not None:
@@ -87,13 +86,9 @@ class PushActionServer:
         """
         Wait for goals.
 
-        :param node: the ``PushNode``.
-        :param goals: the ``GoalEntry``.
-        :param interfaces: ``PushInterfaces``.
         :param receive: brings a goal pose to the world frame; takes a name for errors, the message
             and the ``GoalReceiver``.
         :param is_active: whether goals are accepted.
-        :param objects: ``ObjectSelector``.
         :param check_base: as of ``BaseCheck.run``.
         """
         self._node = node
@@ -117,7 +112,6 @@ class PushActionServer:
         Serve goals for an object from now on.
 
         :param name: its name, or empty.
-        :param obj: the nominal ``PushedObject``.
         """
         self._object_name = name
         self._time_left = TimeLeftEstimator(obj)
@@ -129,19 +123,21 @@ class PushActionServer:
         self._server.destroy()
         self._node.destroy_publisher(self._status_publisher)
 
-    def update(self, time: float) -> None:
+    def update(self, time: float, waiting: str = '') -> None:
         """
         Publish status and feedback, where they have changed or it is time.
 
-        :param time: of the newest measurement [s].
+        :param time: of the newest measurement, or the present one before the first [s].
+        :param waiting: what the node waits for, one clause; empty where it waits for nothing.
         """
         feedback = self._goals.feedback()
-        progress = feedback.progress
+        progress = feedback.progress._replace(
+            reason='; '.join(filter(None, (feedback.progress.reason, waiting))))
         state = progress.state, progress.reason
         if not self._rate.due(time) and state == self._last_state:
             return
         self._last_state = state
-        status = self._status_message(feedback, time)
+        status = self._status_message(progress, time)
         self._status_publisher.publish(status)
         if self._current is None or not math.isfinite(progress.position_error):
             return
@@ -176,22 +172,34 @@ class PushActionServer:
                 self._pursue(handle, message, refuse)
             else:
                 refuse('INTERRUPTED' if fault.is_interrupted else 'ROBOT_NOT_READY', fault.reason)
-        try:
-            self._preparation(request.object_name)
-        except ValueError as error:
-            refuse('UNKNOWN_OBJECT', str(error))
-            return
-        try:
-            _check_pose(request.goal_pose)
-        except MessageRefused as error:
-            refuse('INVALID_GOAL', str(error))
+        fault = self._goal_fault(request)
+        if fault is not None:
+            refuse(*fault)
             return
         self._receive(f'{ACTION}.goal_pose', request.goal_pose,
                       GoalReceiver(accept, lambda error, _: refuse('TF_ERROR', str(error))))
 
+    def _goal_fault(self, request: Any) -> tuple[str, str] | None:
+        """Find code and reason for which a goal is refused as it comes."""
+        if self._goals.refusal:
+            return 'STOPPED', self._goals.refusal
+        try:
+            self._preparation(request.object_name)
+        except ValueError as error:
+            return 'UNKNOWN_OBJECT', str(error)
+        try:
+            _check_pose(request.goal_pose)
+        except MessageRefused as error:
+            return 'INVALID_GOAL', str(error)
+        return None
+
     def _pursue(self, handle: ServerGoalHandle, message: Any,
                 refuse: Callable[[str, str], None]) -> None:
         request = handle.request
+        if self._goals.refusal:
+            # It has waited for its transform while the controller was stopped.
+            refuse('STOPPED', self._goals.refusal)
+            return
         try:
             pose = from_object_pose_message(message, message.header.frame_id, ACTION).pose
             goal = PushGoal(pose, request.position_tolerance or None,
@@ -255,8 +263,7 @@ class PushActionServer:
             # Else the node is being shut down, and nobody can be answered any more.
             self._server.notify_execute(handle, lambda _: result)
 
-    def _status_message(self, feedback: GoalFeedback, time: float) -> Any:
-        progress = feedback.progress
+    def _status_message(self, progress: GoalProgress, time: float) -> Any:
         is_pushing = progress.state is PushState.PUSHING
         status = self._interfaces.status(
             object_name=self._object_name,

@@ -3,8 +3,9 @@
 from typing import Any, Callable, NamedTuple
 
 from builtin_interfaces.msg import Time
+from push_control.ros.parameters import ControllerParameters
 from push_model.geometry import Pose
-from push_model.parameters import PushedObject, RoundRobot
+from push_model.parameters import PushedObject
 from push_model.rigid_transform import RigidTransform
 from push_model.signals import ObjectEstimate
 from push_model.trajectory import PushTrajectory
@@ -17,7 +18,6 @@ from push_ros.conversions.markers import (
 )
 from push_ros.conversions.primitives import to_stamp
 from push_ros.node import PushNode, RateLimiter
-from push_ros.node_settings import ControllerOptions, Frames
 from push_ros.transforms.listener import (
     DYNAMIC_QOS, DYNAMIC_TOPIC, transform_message_type,
 )
@@ -37,7 +37,6 @@ class Scene(NamedTuple):
     Robot and object as estimated.
 
     :param robot_pose: ``Pose`` of the robot in the world.
-    :param estimate: ``ObjectEstimate``.
     :param is_pushing: whether the robot pushes, so that the object moves with it.
     :param text: what the robot does, or empty.
     """
@@ -59,21 +58,12 @@ class _Output(NamedTuple):
 class ScenePublisher:
     """Publishes markers of scene, plan and goal, the footprint, and the frame of the object."""
 
-    def __init__(self, node: PushNode, obj: PushedObject, robot: RoundRobot, frames: Frames,
-                 options: ControllerOptions) -> None:
-        """
-        Start with nothing to show.
-
-        :param node: the ``PushNode``.
-        :param obj: the nominal ``PushedObject``.
-        :param robot: the ``RoundRobot``.
-        :param frames: ``Frames``.
-        :param options: ``ControllerOptions``.
-        """
+    def __init__(self, node: PushNode, parameters: ControllerParameters) -> None:
+        """Start with nothing to show."""
         self._node = node
-        self._object = obj
-        self._robot = robot
-        self._frames = frames
+        self._object = parameters.object
+        self._robot = parameters.robot
+        self._frames = parameters.frames
         self._goal: Pose | None = None
         self._plan: PushTrajectory | None = None
         self._markers = node.publisher('markers')
@@ -82,7 +72,7 @@ class ScenePublisher:
         self._outputs: list[_Output] = [
             _Output(self._draw, RateLimiter(MARKER_RATE), self._markers),
             _Output(self._publish_footprint, RateLimiter(FOOTPRINT_RATE), self._footprint)]
-        self._transform_type = transform_message_type() if options.publish_tf else None
+        self._transform_type = transform_message_type() if parameters.options.publish_tf else None
         self._transforms: Publisher | None = None
         if self._transform_type is not None:
             self._transforms = node.create_publisher(self._transform_type, DYNAMIC_TOPIC,
@@ -96,11 +86,7 @@ class ScenePublisher:
             self._node.destroy_publisher(self._transforms)
 
     def set_object(self, obj: PushedObject) -> None:
-        """
-        Show another object, with no goal yet.
-
-        :param obj: the nominal ``PushedObject``.
-        """
+        """Show another object, with no goal yet."""
         self._object = obj
         self.show_goal(None, self._node.now())
 
@@ -109,28 +95,17 @@ class ScenePublisher:
         Draw the goal, and erase the plan to a former one.
 
         :param goal: ``Pose``, or None for no goal.
-        :param stamp: ``builtin_interfaces/Time``.
         """
         self._goal, self._plan = goal, None
         self._draw_plan(stamp)
 
     def move_goal(self, goal: Pose, stamp: Time) -> None:
-        """
-        Draw the goal elsewhere.
-
-        :param goal: ``Pose``.
-        :param stamp: ``builtin_interfaces/Time``.
-        """
+        """Draw the goal elsewhere."""
         self._goal = goal
         self._draw_plan(stamp)
 
     def show_plan(self, plan: PushTrajectory, stamp: Time) -> None:
-        """
-        Draw a plan, and the goal.
-
-        :param plan: ``PushTrajectory``.
-        :param stamp: ``builtin_interfaces/Time``.
-        """
+        """Draw a plan, and the goal."""
         self._plan = plan
         self._draw_plan(stamp)
 

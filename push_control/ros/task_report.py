@@ -2,11 +2,11 @@
 
 from typing import Any
 
-from push_control.observation import Observation
 from push_control.ros.scene import Scene, ScenePublisher
 from push_control.task.status import StateChange, SupervisorStatus, TaskState
 from push_control.task.supervisor import Supervisor
 from push_model.geometry import Pose
+from push_model.observation import Observation
 from push_model.trajectory import PushTrajectory
 from push_ros.conversions.map import map_text
 from push_ros.diagnostics import ERROR, HAS_MAP, OK, WARN
@@ -22,12 +22,7 @@ class TaskReporter:
     """Reports every change of state, and draws object, robot, plan and state."""
 
     def __init__(self, node: PushNode, scene: ScenePublisher) -> None:
-        """
-        Start without reports.
-
-        :param node: the ``PushNode``.
-        :param scene: the ``ScenePublisher``.
-        """
+        """Start without reports."""
         self._node = node
         self._scene = scene
         self._reporter = node.reporter
@@ -43,7 +38,6 @@ class TaskReporter:
         """
         Report every change of state, and what the robot waits for.
 
-        :param supervisor: the ``Supervisor``.
         :param time: of the newest measurement [s].
         """
         known, self._history = self._history, supervisor.history
@@ -61,7 +55,6 @@ class TaskReporter:
         """
         Show object, robot and state.
 
-        :param supervisor: the ``Supervisor``.
         :param time: of the newest measurement [s].
         """
         def make_scene() -> Scene | None:
@@ -82,12 +75,16 @@ class TaskReporter:
         if text:
             self._reporter.report(WARN, text, {'time': observation.time}, always=True)
 
-    def report_map(self, message: Any) -> None:
+    def report_error(self, text: str) -> None:
         """
-        Report a map.
+        Report what has failed, beside the state.
 
-        :param message: ``nav_msgs/OccupancyGrid``.
+        :param text: one sentence.
         """
+        self._reporter.report(ERROR, text)
+
+    def report_map(self, message: Any) -> None:
+        """Report a map."""
         self._reporter.report(OK, map_text(message), {HAS_MAP: True})
 
     def show_goal(self, goal: Pose | None) -> None:
@@ -99,18 +96,13 @@ class TaskReporter:
         self._scene.show_goal(goal, self._node.now())
 
     def move_goal(self, goal: Pose) -> None:
-        """
-        Draw the goal elsewhere.
-
-        :param goal: ``Pose``.
-        """
+        """Draw the goal elsewhere."""
         self._scene.move_goal(goal, self._node.now())
 
     def show_plan(self, plan: PushTrajectory, stamp: Any) -> None:
         """
         Draw a plan.
 
-        :param plan: ``PushTrajectory``.
         :param stamp: ``builtin_interfaces/Time`` of the plan.
         """
         self._scene.show_plan(plan, stamp)

@@ -4,7 +4,8 @@ import dataclasses
 import enum
 from typing import NamedTuple
 
-from push_control.push.status import ControllerStatus
+from push_control.goal import TaskFailure
+from push_control.steered.status import ControllerStatus
 from push_model.geometry import Pose
 
 
@@ -34,19 +35,6 @@ class TaskState(enum.Enum):
 
 FINAL_STATES = (TaskState.DONE, TaskState.FAILED)
 STANDING_STATES = (TaskState.IDLE, TaskState.PAUSED, *FINAL_STATES)
-
-
-class TaskFailure(enum.Enum):
-    """Why a task was given up."""
-
-    # Planning failed twice from the same place.
-    NO_PLAN = 'no plan'
-    NO_PROGRESS = 'no progress'
-    NOT_AT_REST = 'not at rest'
-    # Poses or odometry do not come, or cannot be used.
-    NO_MEASUREMENTS = 'no measurements'
-    # The safety layer has stopped the robot too often.
-    ROBOT_STOPPED = 'robot stopped'
 
 
 class StateChange(NamedTuple):

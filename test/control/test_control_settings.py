@@ -1,7 +1,7 @@
 """Settings of the controller refuse what is out of range."""
 
 from push_control.settings import ControlSettings
-from push_control.task.settings import SupervisionSettings
+from push_control.supervision_settings import SupervisionSettings
 from push_model.geometry import Pose
 from push_model.signals import Odometry, PoseCovariance, STOP
 import pytest

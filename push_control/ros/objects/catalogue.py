@@ -55,7 +55,6 @@ class ObjectCatalogue:
         Note an object of the parameters, unless it is that of its name anyhow.
 
         :param name: its name, or empty.
-        :param obj: the nominal ``PushedObject``.
         """
         try:
             is_known = self.find(name) == obj
@@ -69,7 +68,6 @@ class ObjectCatalogue:
         Find an object.
 
         :param name: its name; empty for the one of the parameters without a name.
-        :return: the nominal ``PushedObject``.
         :raises UnknownObject: where there is none, with the names there are.
         :raises ValueError: where its file cannot be read, naming file and key.
         """

@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import Any, Callable
 
-from push_control.estimation.object_knowledge import object_key, ObjectKnowledge
-from push_control.task.settings import SupervisionSettings
+from push_control.perception.object_knowledge import object_key, ObjectKnowledge
+from push_control.supervision_settings import SupervisionSettings
 from push_control.task.status import TaskState
 from push_model.files.whole_file import write_whole
 from push_model.parameters import PushedObject
@@ -61,7 +61,6 @@ class KnowledgeFile:
 
         :param key: of the object, as of ``object_key``.
         :param time: now [s since 1970].
-        :param knowledge: the ``ObjectKnowledge``.
         :raises ValueError: where the file is there and cannot be read.
         :raises OSError: where it cannot be written.
         """
@@ -95,7 +94,6 @@ class KnowledgeMemory:
         """
         Recall what is in the file.
 
-        :param obj: the nominal ``PushedObject``.
         :param settings: ``SupervisionSettings``, for how fast knowledge gets uncertain.
         :param file: the ``KnowledgeFile``, or None.
         :param clock: returns the present time [s since 1970].
@@ -112,7 +110,6 @@ class KnowledgeMemory:
         """
         Turn to another object; what was learned of the former one stays known.
 
-        :param obj: the nominal ``PushedObject``.
         :raises ValueError: where the file cannot be read; then nothing is known of the object.
         """
         self._key = object_key(obj)
@@ -134,11 +131,7 @@ class KnowledgeMemory:
                               self._settings.contact_friction_walk)
 
     def is_due(self, state: TaskState) -> bool:
-        """
-        Return whether there is something to keep: a push and the retreat from it have ended.
-
-        :param state: present ``TaskState``.
-        """
+        """Return whether there is something to keep: a push and the retreat from it have ended."""
         self._has_pushed = self._has_pushed or state is TaskState.PUSH
         return self._has_pushed and state not in (TaskState.PUSH, TaskState.RETREAT)
 
@@ -146,7 +139,6 @@ class KnowledgeMemory:
         """
         Keep what is known by now.
 
-        :param knowledge: ``ObjectKnowledge``.
         :return: why it cannot be written to the file, one sentence; empty where it can. It is
             known here all the same.
         """

@@ -3,23 +3,25 @@
 import dataclasses
 import functools
 import math
+from typing import Any
 
 from helpers.maps import walled_room
 from helpers.objects import box
 import numpy as np
-from push_control.observation import Observation
+from push_control.behaviors.progress import MAP_TIME_LIMIT, RETRY_TIME
 from push_control.settings import ControlSettings
-from push_control.task.progress import MAP_TIME_LIMIT
-from push_control.task.settings import SupervisionSettings
+from push_control.supervision_settings import SupervisionSettings
 from push_control.task.status import TaskState
-from push_control.task.supervisor import RETRY_TIME, Supervisor
+from push_control.task.supervisor import Supervisor
 from push_model.contact import find_contact
 from push_model.geometry import distance, Pose, wrap_angle
+from push_model.observation import Observation
 from push_model.parameters import RoundRobot
-from push_model.plan_request import PlanFailure
+from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.signals import ObjectPose, Odometry, STOP
 from push_navigation.settings import DriveSettings
-from push_planner.settings import TaskSettings
+from push_planner.settings import PlannerSettings
+from push_planner.task_planner import plan_for_request, plan_steered_push, TaskPlan
 from push_scenario.definition.scenario import Placement, Scenario, Start
 from push_scenario.definition.task import Task
 from push_scenario.simulation.loop import simulate
@@ -43,7 +45,7 @@ FOLLOWS = {
 GOAL = Placement(0.9, 0.3, 0.5)
 
 
-def task(drive, goal=GOAL, sensors=None, seed=1, wrong=False, method='primitives'):
+def task(drive, goal=GOAL, sensors=None, seed=1, wrong=False):
     """Set a task: a box at the origin, the robot beyond the goal."""
     robot = RoundRobot(radius=0.17, drive=drive, max_speed=0.3, max_yaw_rate=1.9,
                        max_acceleration=0.9)
@@ -54,7 +56,7 @@ def task(drive, goal=GOAL, sensors=None, seed=1, wrong=False, method='primitives
         true_object=true if wrong else believed, robot=robot, true_robot=robot,
         start=Start(robot=Placement(1.4, 0.6, 2.0)), goal=goal,
         sensors=sensors or SensorSettings(), simulation=SimulationSettings(seed=seed),
-        task=Task(planning=TaskSettings(method=method)), time_limit=300.0)
+        task=Task(), time_limit=300.0)
 
 
 @functools.lru_cache(maxsize=None)
@@ -100,6 +102,19 @@ def test_a_task_is_done_with_wrong_beliefs_and_poor_sensors(drive, seed):
     assert distance(robot, tape.poses('robot')[min(then, len(tape) - 1)]) < 0.03
 
 
+@pytest.mark.parametrize('drive', ['differential', 'holonomic'])
+def test_a_task_is_done_with_headings_as_noisy_as_stated(drive):
+    """The robot stands until their average is known, and says what it waits for."""
+    noise, reasons = math.radians(3.0), set()
+    scenario = task(drive, sensors=dataclasses.replace(SENSORS, pose_heading_noise=noise))
+    scenario = dataclasses.replace(
+        scenario, control=dataclasses.replace(scenario.control, heading_noise=noise))
+    result = simulate(scenario, intervene=lambda _, supervisor: reasons.add(supervisor.reason))
+    check_reached(result)
+    assert any('noise of the object poses is averaged' in reason for reason in reasons)
+    assert not any('did not fit' in reason for reason in reasons)
+
+
 def test_the_same_task_again_goes_the_same_way():
     """Nothing in it reads a clock or draws unseeded numbers."""
     near = task('holonomic', goal=Placement(0.2, 0.05, 0.1), sensors=SENSORS)
@@ -111,7 +126,7 @@ def test_an_object_at_its_goal_is_left_alone():
     """No plan is asked for and the robot does not move."""
     result = simulate(task('differential', goal=Placement()))
     check_reached(result)
-    assert result.sequence_plans == () and result.status.pushes == 0
+    assert result.task_plans == () and result.status.pushes == 0
     assert not result.tape['robot_v_x'].any()
 
 
@@ -153,13 +168,29 @@ def move_object(simulation, _):
                                      pose.y + ratio * (pose.y - robot.y), pose.theta + 0.3))
 
 
-@pytest.mark.parametrize('state, method', [(TaskState.APPROACH, 'primitives'),
-                                           (TaskState.APPROACH, 'sequences'),
-                                           (TaskState.PUSH, 'sequences')])
-def test_a_moved_object_gets_another_plan(state, method):
+class SteeredFirst:
+    """Plans a steered push at first, and then as ever."""
+
+    def __init__(self) -> None:
+        self._is_first = True
+
+    def __call__(self, request: PlanRequest, robot: RoundRobot, settings: PlannerSettings,
+                 drive: DriveSettings, *args: Any, **options: Any) -> TaskPlan:
+        """Answer a request."""
+        if self._is_first:
+            self._is_first = False
+            return plan_steered_push(request, robot, settings, drive)
+        return plan_for_request(request, robot, settings, drive, *args, **options)
+
+
+@pytest.mark.parametrize('state, make_planner', [
+    (TaskState.APPROACH, lambda: plan_for_request), (TaskState.APPROACH, SteeredFirst),
+    (TaskState.PUSH, SteeredFirst)], ids=['straight', 'steered', 'steered, pushing'])
+def test_a_moved_object_gets_another_plan(state, make_planner):
     """The robot notices, wherever it is, and reaches the goal from there."""
     once = Once(state, move_object, delay=1.5)
-    result = simulate(task('holonomic', sensors=SENSORS, method=method), intervene=once)
+    result = simulate(task('holonomic', sensors=SENSORS), intervene=once,
+                      plan_push=make_planner())
     check_reached(result)
     assert result.status.recoveries >= 1
     assert any(once.time < change.time < once.time + 3.0 and change.reason
@@ -228,7 +259,7 @@ def test_a_map_that_is_wrong_for_some_seconds_is_outlasted() -> None:
     check_reached(result)
 
 
-def test_an_unsteered_push_follows_an_object_that_is_moved():
+def test_a_straight_push_follows_an_object_that_is_moved():
     """It is no failure: the push goes on, or the next one is planned from what is seen."""
     once = Once(TaskState.PUSH, move_object, delay=1.5)
     result = simulate(task('holonomic', sensors=SENSORS), intervene=once)
@@ -261,8 +292,8 @@ def test_a_pause_holds_the_robot_in_any_state(state):
         if once.time is not None and simulation.time > once.time + 2.0:
             supervisor.resume()
 
-    method = 'sequences' if state is TaskState.ALIGN else 'primitives'
-    result = simulate(task('holonomic', method=method), intervene=change)
+    plan_push = SteeredFirst() if state is TaskState.ALIGN else plan_for_request
+    result = simulate(task('holonomic'), intervene=change, plan_push=plan_push)
     assert result.outcome is Outcome.DONE
     time = result.tape['time']
     paused = (time > once.time + 0.05) & (time < once.time + 1.95)
@@ -321,7 +352,7 @@ def test_a_plan_is_requested_from_what_is_measured():
 
 @pytest.mark.parametrize('codes, max_attempts', [
     ([PlanFailure.TIPS] * 2, 2),
-    ([PlanFailure.TIPS, PlanFailure.NO_SEQUENCE], SUPERVISION.max_attempts)])
+    ([PlanFailure.TIPS, PlanFailure.NO_FEASIBLE_SITE], SUPERVISION.max_attempts)])
 def test_it_aborts_where_there_is_no_plan(codes, max_attempts):
     """After the same failure twice from the same poses, or after all attempts."""
     bench, refusals = Bench(), 0
@@ -336,6 +367,17 @@ def test_it_aborts_where_there_is_no_plan(codes, max_attempts):
     assert refusals == status.recoveries == max_attempts
     bench.supervisor.set_goal(GOAL.pose)
     assert bench.supervisor.status.state == TaskState.PLAN
+
+
+def test_a_goal_that_the_planner_calls_reached_is_reached():
+    """Pushes are no more accurate than that."""
+    bench = Bench()
+    bench.supervisor.set_goal(GOAL.pose)
+    while bench.supervisor.plan_request is None:
+        bench.run(0.1)
+    bench.supervisor.on_planning_failed(PlanFailure.AT_GOAL, 'the object is at the goal already')
+    assert bench.supervisor.state is TaskState.DONE
+    assert 'at the goal' in bench.supervisor.status.reason
 
 
 def test_a_robot_stands_while_a_map_blocks_the_goal_and_goes_on_with_one_that_does_not():
@@ -371,10 +413,10 @@ def test_a_plan_that_does_not_come_is_requested_again() -> None:
     """Whoever waits for it says so; it counts as an attempt that failed."""
     bench = Bench()
     bench.supervisor.set_goal(GOAL.pose)
-    bench.supervisor.on_plan_overdue()
+    bench.supervisor.on_plan_overdue('no plan')
     assert bench.supervisor.status.recoveries == 0
     bench.run(1.0)
-    bench.supervisor.on_plan_overdue()
+    bench.supervisor.on_plan_overdue('no plan')
     assert bench.supervisor.plan_request is None
     bench.run(0.1)
     assert bench.supervisor.status.recoveries == 1
@@ -456,7 +498,7 @@ def test_a_robot_that_does_not_move_is_noticed():
     bench = Bench()
     bench.supervisor.set_goal(GOAL.pose)
     bench.run(1.0)
-    trajectory = undisturbed('differential').sequence_plans[0].trajectory
+    trajectory = undisturbed('differential').task_plans[0].trajectory
     bench.supervisor.set_plan(trajectory)
     assert bench.supervisor.status.state == TaskState.APPROACH
     commands = bench.run(SUPERVISION.stall_timeout + 0.2)
@@ -471,7 +513,7 @@ def test_an_overlap_is_an_error_of_odometry():
     bench = Bench(robot=Pose(0.3, 0.0, 0.0))
     bench.supervisor.set_goal(GOAL.pose)
     bench.run(1.0)
-    bench.supervisor.set_plan(undisturbed('differential').sequence_plans[0].trajectory)
+    bench.supervisor.set_plan(undisturbed('differential').task_plans[0].trajectory)
     bench.run(1.0)
     gap = find_contact(box(), Pose(0.0, 0.0, 0.0), bench.supervisor.status.robot_pose[:2], 0.17)[2]
     assert gap > -0.02

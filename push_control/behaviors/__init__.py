@@ -1,0 +1,1 @@
+"""Behaviours: what the robot does in each state of a task."""

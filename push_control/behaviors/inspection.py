@@ -1,0 +1,49 @@
+"""Inspection: drive round the object, to see it from another side."""
+
+import math
+
+from push_control.behaviors.behavior import BehaviorContext, MeasurementNeed
+from push_control.behaviors.path_execution import PathBehavior
+from push_control.perception.perception import TaskPerception
+from push_model.contact import find_contact
+from push_model.geometry import Pose
+from push_navigation.path import Path
+from push_navigation.path_planner import plan_path
+
+# Angle round the object to the next place [rad]; chosen: with the one before, three sides.
+VIEW_ANGLE = 2.0 * math.pi / 3.0
+# Gap to the object there [m]; chosen: clear of it wherever the bias puts it.
+VIEW_GAP = 0.15
+# Steps outwards to that gap; chosen: each leaves less than half of the distance.
+STEPS = 12
+
+
+class Inspection(PathBehavior[TaskPerception]):
+    """Drives to a place from which the object is seen from another side."""
+
+    measurement_need = MeasurementNeed.ODOMETRY
+
+    def plan(self, perception: TaskPerception) -> Path:
+        """
+        Plan the path round the object.
+
+        :raises ValueError: where there is none.
+        """
+        context, robot_pose = self.context, perception.robot_pose
+        object_pose = perception.localization.object_pose
+        return plan_path(context.robot, context.obj, object_pose, robot_pose,
+                         viewing_pose(context, robot_pose, object_pose), context.drive,
+                         occupancy_map=context.occupancy_map,
+                         uncertainty=perception.position_uncertainty)
+
+
+def viewing_pose(context: BehaviorContext, robot_pose: Pose, object_pose: Pose) -> Pose:
+    """Choose where to see an object from another side; the robot faces along its path round it."""
+    bearing = VIEW_ANGLE + math.atan2(robot_pose.y - object_pose.y, robot_pose.x - object_pose.x)
+    offset = context.robot.radius
+    facing = Pose(object_pose.x, object_pose.y, bearing)
+    for _ in range(STEPS):
+        place = facing.transform((offset, 0.0))
+        gap = find_contact(context.obj, object_pose, place, context.robot.radius).gap
+        offset += max(0.0, VIEW_GAP - gap)
+    return facing @ Pose(offset, 0.0, 0.5 * math.pi)

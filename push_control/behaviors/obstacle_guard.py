@@ -1,0 +1,74 @@
+"""Obstacles of a map in the way of a push, and a guard that ends it before they are met."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+from push_model.geometry import Pose
+from push_model.parameters import PushedObject, RoundRobot
+from push_model.trajectory import PushTrajectory
+from push_navigation.occupancy_map import OccupancyMap
+
+# Clearance that a push keeps, where its plan does [m]; chosen: the noise of poses and of maps.
+GUARDED_CLEARANCE = 0.01
+# Clearance that it may lose against its plan where that has less [m]; chosen.
+LOST_CLEARANCE = 0.005
+# Time that the robot takes to stop, with the age of what it sees [s]; chosen: poses are 0.1 s old,
+# a drive lags by as much, and it brakes from 0.3 m/s in a third of a second, half as far.
+REACTION_TIME = 0.35
+# Time over which motion is measured [s]; chosen: two periods of the object pose.
+MEASURED_TIME = 0.1
+
+
+class ObstacleGuard:
+    """Predicts the clearances of object and robot by the rate at which they change."""
+
+    def __init__(self, occupancy_map: OccupancyMap, obj: PushedObject, robot: RoundRobot,
+                 target: PushTrajectory) -> None:
+        self._map = occupancy_map
+        self._obj = obj
+        self._robot = robot
+        planned = self._clearances(target.object_poses, target.robot_poses)
+        self._limits = [min(GUARDED_CLEARANCE, clearance - LOST_CLEARANCE)
+                        for clearance in planned]
+        self._last: list[float] | None = None
+        self._rates = [0.0, 0.0]
+        self._elapsed = 0.0
+
+    def is_close(self, object_pose: Pose, robot_pose: Pose, dt: float) -> bool:
+        """
+        Tell whether the push has to end.
+
+        :param dt: time since the last call [s].
+        """
+        clearances = self._clearances([object_pose], [robot_pose])
+        self._elapsed += dt
+        if self._last is None:
+            self._last, self._elapsed = clearances, 0.0
+        elif self._elapsed >= MEASURED_TIME:
+            self._rates = [(now - before) / self._elapsed
+                           for now, before in zip(clearances, self._last)]
+            self._last, self._elapsed = clearances, 0.0
+        return any(rate < 0.0 and clearance + REACTION_TIME * rate < limit
+                   for clearance, rate, limit in zip(clearances, self._rates, self._limits))
+
+    def _clearances(self, object_poses: ArrayLike, robot_poses: ArrayLike) -> list[float]:
+        robot = float(self._map.clearance(np.asarray(robot_poses)[:, :2]).min())
+        return [self._map.object_clearance(self._obj, object_poses), robot - self._robot.radius]
+
+
+def blocks_push(target: PushTrajectory, obj: PushedObject, robot: RoundRobot,
+                previous: OccupancyMap | None, occupancy_map: OccupancyMap | None,
+                robot_pose: Pose) -> bool:
+    """
+    Tell whether a new map has an obstacle in the way of a push where the previous one has none.
+
+    :param target: ``PushTrajectory``, of which that counts which is left.
+    :param previous: ``OccupancyMap``, or None for open floor.
+    :param occupancy_map: the new one.
+    """
+    nearest = int(np.hypot(*(target.robot_poses[:, :2] - robot_pose[:2]).T).argmin())
+    objects, robots = target.object_poses[nearest:], target.robot_poses[nearest:]
+
+    def is_free(floor: OccupancyMap | None) -> bool:
+        return floor is None or (floor.object_is_free(obj, objects, 0.0)
+                                 and floor.robot_is_free(robot, robots, 0.0))
+    return not is_free(occupancy_map) and is_free(previous)

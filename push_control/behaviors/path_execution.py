@@ -1,0 +1,182 @@
+"""Following one path to its end, and noticing that the robot is stalled; behaviours that do so."""
+
+import abc
+
+import numpy as np
+from push_control.behaviors.behavior import Behavior, BehaviorContext, Perception
+from push_control.behaviors.failures import BehaviorFailure, FailureReport
+from push_model.geometry import distance, Pose, wrap_angle
+from push_model.parameters import RoundRobot
+from push_model.signals import STOP, Twist
+from push_navigation.occupancy_map import OccupancyMap
+from push_navigation.path import Path, sample_path
+from push_navigation.path_follower import PathFollower
+from push_navigation.settings import DriveSettings
+from push_navigation.speed_profile import travel_time
+
+# Spacing at which a path is checked against a map [m]; chosen: below the cells of most maps.
+SPACING = 0.02
+# Displacement that counts as motion [m]; chosen: above the noise of odometry at rest.
+MOTION_THRESHOLD = 0.005
+# A path may take this many times its travel time, and the stall time-out besides; chosen.
+TRAVEL_TIME_FACTOR = 2.0
+
+
+def displacement(pose: Pose, other: Pose, radius: float) -> float:
+    """
+    Measure how far a disc has moved; a rotation counts as the motion of its rim.
+
+    :param pose: ``Pose`` of the disc.
+    :param other: another one.
+    :param radius: of the disc [m].
+    :return: the greater one of translation and motion of the rim [m].
+    """
+    return max(distance(pose, other), radius * abs(wrap_angle(pose.theta - other.theta)))
+
+
+class PathExecution:
+    """
+    Drives along a path, and fails where the robot is stalled or takes too long.
+
+    ``finished``: whether the end is reached. ``failure``: why it never will be, None
+    while it may.
+    """
+
+    def __init__(self, robot: RoundRobot, drive: DriveSettings, path: Path,
+                 stall_timeout: float, *, end_speed: float = 0.0,
+                 handover_distance: float = 0.0) -> None:
+        """
+        Start.
+
+        :param stall_timeout: time without motion after which the robot is stalled [s].
+        :param end_speed: speed at which the robot passes the end, 0 where it stops there [m/s].
+        :param handover_distance: distance before the end at which it counts as passed [m].
+        """
+        self._follower = PathFollower(robot, drive, path, end_speed=end_speed,
+                                      handover_distance=handover_distance)
+        self._robot = robot
+        self._path = path
+        self._stall_timeout = stall_timeout
+        self._remaining_time = (
+            TRAVEL_TIME_FACTOR * travel_time(path, robot, drive, end_speed=end_speed)
+            + stall_timeout)
+        self._last_motion: Pose | None = None
+        self._standing_time = 0.0
+        self.finished = False
+        self.failure: FailureReport | None = None
+
+    @property
+    def has_missed_end(self) -> bool:
+        """Whether the robot has come beside an end that it was to pass, and stops."""
+        return self._follower.missed
+
+    def is_free(self, occupancy_map: OccupancyMap | None, pose: Pose) -> bool:
+        """
+        Tell whether the remainder of the path touches no obstacle.
+
+        :param occupancy_map: the ``OccupancyMap``, or None for open floor.
+        """
+        poses = sample_path(self._path, self._robot, SPACING)
+        nearest = int(np.hypot(*(poses[:, :2] - pose[:2]).T).argmin())
+        return (occupancy_map is None
+                or occupancy_map.robot_is_free(self._robot, poses[nearest:], 0.0))
+
+    def step(self, pose: Pose, dt: float, ahead: Pose | None = None) -> Twist:
+        """
+        Compute the command.
+
+        :param dt: time since the last call [s].
+        :param ahead: as of ``PathFollower.step``.
+        :return: ``Twist``; STOP once there is a ``failure``.
+        """
+        self._remaining_time -= dt
+        self._standing_time += dt
+        if (self._last_motion is None
+                or displacement(self._last_motion, pose, self._robot.radius) > MOTION_THRESHOLD):
+            self._last_motion = pose
+            self._standing_time = 0.0
+        command = self._follower.step(pose, dt, ahead)
+        self.finished = self._follower.finished
+        is_stalled = self._remaining_time < 0.0 or self._standing_time > self._stall_timeout
+        if is_stalled and not self.finished:
+            self.failure = BehaviorFailure.STALLED.report(
+                distance=self._follower.remaining_distance)
+            return STOP
+        return command
+
+
+class PathBehavior(Behavior[Perception]):
+    """
+    Drives along one path, planned at the first step and again after a pause.
+
+    Ends well at once where there is none to drive.
+
+    ``context``: the ``BehaviorContext``.
+    """
+
+    def __init__(self, context: BehaviorContext, end_speed: float = 0.0) -> None:
+        """
+        Start.
+
+        :param end_speed: speed with which the robot passes the end, 0 where it stops there [m/s].
+        """
+        super().__init__()
+        self.context = context
+        self._end_speed = end_speed
+        self._execution: PathExecution | None = None
+
+    @abc.abstractmethod
+    def plan(self, perception: Perception) -> Path | None:
+        """
+        Plan the path.
+
+        :param perception: ``RawPerception`` of the robot, and of where the object was seen last.
+        :return: ``Path``, or None where there is nothing to drive.
+        :raises ValueError: with the reason, where there should be a path and is none.
+        """
+
+    def is_blocked(self, occupancy_map: OccupancyMap | None, pose: Pose) -> bool:
+        """Tell whether a new map has an obstacle on the path where the previous one has none."""
+        return blocks(self._execution, self.context.occupancy_map, occupancy_map, pose)
+
+    def pause(self) -> None:
+        """Forget the path; the next step plans another one."""
+        self._execution = None
+
+    def step(self, perception: Perception, dt: float) -> Twist:
+        """
+        Compute the command.
+
+        :param perception: ``RawPerception`` of the robot, and of where the object was seen last.
+        """
+        if self._execution is None:
+            try:
+                path = self.plan(perception)
+            except ValueError as error:
+                self.failure = BehaviorFailure.NO_PATH.report(error=str(error))
+                return STOP
+            if path is None:
+                self.finished = True
+                return STOP
+            self._execution = PathExecution(
+                self.context.robot, self.context.drive, path,
+                self.context.supervision.stall_timeout, end_speed=self._end_speed)
+        execution = self._execution
+        command = execution.step(perception.robot_pose, dt, perception.pose_ahead)
+        # Beside the end of a path that is passed at speed is good enough, too.
+        self.finished = execution.finished or execution.has_missed_end
+        self.failure = execution.failure
+        return command
+
+
+def blocks(execution: PathExecution | None, previous: OccupancyMap | None,
+           occupancy_map: OccupancyMap | None, pose: Pose) -> bool:
+    """
+    Tell whether a new map has an obstacle on a path where the previous one has none.
+
+    :param execution: the ``PathExecution``, or None where the robot stands.
+    :param previous: ``OccupancyMap``, or None for open floor.
+    :param occupancy_map: the new one.
+    """
+    return (execution is not None and not execution.is_free(occupancy_map, pose)
+            and execution.is_free(previous, pose))

@@ -1,0 +1,158 @@
+"""Plan: stand, measure the object at rest, and decide whether and how it is to be pushed."""
+
+from typing import Callable
+
+from push_control.behaviors.behavior import (
+    Abort, Behavior, BehaviorContext, NoPushNeeded,
+)
+from push_control.behaviors.progress import GoalCheck, ProgressMonitor
+from push_control.goal import TaskFailure, TaskGoal
+from push_control.perception.object_at_rest import ObjectAtRest
+from push_control.perception.perception import TaskPerception
+from push_model.geometry import distance, Pose
+from push_model.plan_request import PlanRequest
+from push_model.signals import STOP, Twist
+
+# Standard deviation of the gap of a robot whose pose overlaps the object [m]; chosen: the noise of
+# one object pose.
+OVERLAP_STD = 0.002
+# Distance from the object to its goal that is a mistake of a unit or a frame [m]; chosen: nothing
+# is pushed as far.
+MAX_GOAL_DISTANCE = 200.0
+
+
+class PlanBehavior(Behavior[TaskPerception]):
+    """
+    Stands, and requests a plan once the object is known to be at rest away from its goal.
+
+    It finishes with a ``result`` only where no push is needed or possible: until then it waits for
+    the plan that it has requested.
+    """
+
+    needs_plan = True
+    # The first push of several may end anywhere.
+    ends_at_goal = False
+
+    def __init__(self, context: BehaviorContext, progress: ProgressMonitor, goal: TaskGoal,
+                 remaining_time: Callable[[Pose, Pose], float | None]) -> None:
+        """
+        Start.
+
+        :param context: the ``BehaviorContext``; its object may be the nominal one.
+        :param progress: the ``ProgressMonitor`` of the task.
+        :param remaining_time: expects the time that the task still takes from the ``Pose`` of the
+            object to the goal [s]; None where that is unknown.
+        """
+        super().__init__()
+        self._goal = goal.pose
+        self._since = goal.since
+        self._context = context
+        self._progress = progress
+        self._remaining_time = remaining_time
+        self._averaging_reason = ''
+        self._motion_reason = ''
+        progress.rest_clock.end_wait()
+
+    @property
+    def waiting_reason(self) -> str:
+        """What the measurement waits for, one sentence; empty where it does not take long."""
+        return self._averaging_reason or self._motion_reason
+
+    def move_goal(self, pose: Pose) -> None:
+        """Move the goal a little, as where its frame drifts."""
+        self._goal = pose
+
+    @property
+    def start_limits(self) -> tuple[float, float]:
+        """Distance and rotation up to which an object is at the start of a plan [m, rad]."""
+        return self._progress.settings.moved_distance, self._progress.settings.moved_angle
+
+    def pause(self) -> None:
+        """Do nothing: the robot stands."""
+
+    def step(self, perception: TaskPerception, dt: float) -> Twist:
+        """Stand; measure and decide."""
+        if not self._has_measured_rest(perception):
+            self._await_rest(perception)
+            return STOP
+        self._progress.rest_clock.end_wait()
+        if self.plan_request is None and self._progress.may_request(perception.time):
+            perception.evaluate_push()
+            self._decide(perception)
+        return STOP
+
+    def _has_measured_rest(self, perception: TaskPerception) -> bool:
+        return (perception.has_pose_after(self._since) and perception.has_object_at_rest
+                and perception.object_at_rest.duration
+                >= self._progress.settings.min_averaging_time)
+
+    def _await_rest(self, perception: TaskPerception) -> None:
+        """Report why the object does not come to rest, and give up after a while."""
+        clock = self._progress.rest_clock
+        clock.wait(perception.time)
+        if clock.is_long:
+            self._motion_reason = perception.motion_reason
+        if clock.is_too_long:
+            self._abort(TaskFailure.NOT_AT_REST, f'aborted: {self._motion_reason}')
+
+    def _decide(self, perception: TaskPerception) -> None:
+        """Compare the object at rest with its goal, and act on that."""
+        object_at_rest = perception.object_at_rest
+        goal_distance = distance(object_at_rest.pose, self._goal)
+        if goal_distance > MAX_GOAL_DISTANCE:
+            self._abort(TaskFailure.NO_PLAN, f'aborted: the goal is {goal_distance:.0f} m away, '
+                        f'at most {MAX_GOAL_DISTANCE:g} m is expected')
+            return
+        check = self._progress.check_goal(
+            object_at_rest, self._goal, self._remaining_time(object_at_rest.pose, self._goal))
+        self._averaging_reason = ''
+        if check is GoalCheck.UNCERTAIN:
+            self._averaging_reason = self._progress.averaging_reason(object_at_rest)
+        elif check is GoalCheck.REACHED:
+            self._finish(NoPushNeeded.REACHED)
+        elif check is GoalCheck.UNSEEN:
+            self._inspect(object_at_rest)
+        elif self._progress.abort_reason or perception.is_refuted:
+            self._abort_with_inconsistencies(perception)
+        else:
+            self._request_plan(perception, object_at_rest.pose)
+
+    def _inspect(self, object_at_rest: ObjectAtRest) -> None:
+        """See an object that may be at its goal from another side, unless that was too often."""
+        self._progress.count_inspection(object_at_rest)
+        if self._progress.abort_reason:
+            self._abort(self._progress.failure, self._progress.abort_reason)
+        else:
+            self._finish(NoPushNeeded.UNSEEN)
+
+    def _abort_with_inconsistencies(self, perception: TaskPerception) -> None:
+        """Give the task up, and name what measurements have to do with it."""
+        reason, failure = self._progress.abort_reason, self._progress.failure
+        inconsistencies = '; '.join(filter(None, (perception.pose_inconsistency,
+                                                  perception.odometry_inconsistency)))
+        if not reason:
+            self._abort(TaskFailure.NO_PROGRESS, f'aborted: {inconsistencies}')
+        elif failure is TaskFailure.NO_PROGRESS and inconsistencies:
+            self._abort(failure, f'{reason}; {inconsistencies}')
+        else:
+            self._abort(failure, reason)
+
+    def _request_plan(self, perception: TaskPerception, object_pose: Pose) -> None:
+        """Request a plan, unless it would fail again."""
+        perception.correct_overlap(self._context.obj, self._context.robot, OVERLAP_STD)
+        progress, localization = self._progress, perception.localization
+        knowledge, uncertainty = localization.knowledge, perception.position_uncertainty
+        request = PlanRequest(
+            object_pose, perception.robot_pose, self._goal, localization.obj,
+            progress.cone_fraction, *progress.aim, uncertainty.position,
+            knowledge.center_deviation, knowledge.contact_friction_deviation,
+            uncertainty.slope, uncertainty.drift)
+        if not progress.awaits_map(request, perception.time):
+            self.plan_request = request
+
+    def _abort(self, failure: TaskFailure | None, reason: str) -> None:
+        self._finish(Abort(failure, reason))
+
+    def _finish(self, result: NoPushNeeded | Abort) -> None:
+        self.result = result
+        self.finished = True

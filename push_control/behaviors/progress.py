@@ -1,0 +1,373 @@
+"""Progress of a task: attempts since the object last came nearer to its goal."""
+
+import enum
+import math
+from typing import NamedTuple
+
+from push_control.goal import TaskFailure
+from push_control.perception.object_at_rest import has_moved, ObjectAtRest
+from push_control.supervision_settings import BIASED_SIGMAS, SupervisionSettings
+from push_model.geometry import distance, Pose, wrap_angle
+from push_model.plan_request import PlanFailure, PlanRequest
+from push_model.trajectory import PushStyle, PushTrajectory
+
+# Every other attempt without progress reduces the fraction of the friction cone that a plan may
+# use by this factor, down to the minimum; chosen: 0.64 after four attempts, 0.4 after ten.
+CAUTION_FACTOR = 0.8
+MIN_CONE_FRACTION = 0.4
+ATTEMPTS_PER_REDUCTION = 2
+# Looks from other sides at an object that may be at its goal; chosen: all round it.
+MAX_INSPECTIONS = 3
+# Stops by the safety layer since the object last came nearer to its goal; chosen: one may be a
+# person, and one the next time.
+MAX_SAFETY_STOPS = 3
+# Pushes at which the wheels spun since then; chosen: the second one confirms the first.
+MAX_SPINS = 2
+# Pushes in a row that may leave the object pose as it was, to the last digit; chosen: the robot
+# may have missed the object once or twice, and a tracker that is frozen from the start shows no
+# more.
+MAX_UNSEEN_PUSHES = 3
+# Failures that another map may end, and the time for which one is waited for [s]; chosen: somebody
+# steps aside, or takes away what stands at the goal.
+MAP_FAILURES = PlanFailure.NOT_FREE, PlanFailure.BLOCKED
+MAP_TIME_LIMIT = 20.0
+# Pushes to waypoints as planned that may bring the object no nearer to its goal, over the attempts
+# that may; chosen: a detour through three rooms takes some thirty pushes.
+WAYPOINTS_PER_ATTEMPT = 4
+# Distance and rotation from the planned end of a push to a waypoint within which it has gone as
+# planned [m, rad]; chosen: a standard deviation of long pushes.
+WAYPOINT_DISTANCE, WAYPOINT_ANGLE = 0.12, 0.3
+# Time from where there is no plan, or no path to where it starts, until another plan is requested
+# [s]; chosen: attempts outlast a map that is wrong for some seconds.
+RETRY_TIME = 1.0
+# Time after which the robot reports that the object does not come to rest, and after which it
+# gives up [s]; chosen: longer than poses are averaged, and than somebody carries the object about.
+REST_REPORT_TIME = 3.0
+REST_TIME_LIMIT = 60.0
+
+
+class GoalCheck(enum.Enum):
+    """Whether an object at rest is at its goal."""
+
+    REACHED = 'reached'
+    MISSED = 'missed'
+    # More measurements may tell.
+    UNCERTAIN = 'uncertain'
+    # Only poses from another side may.
+    UNSEEN = 'unseen'
+
+
+class _FailedRequest(NamedTuple):
+    """A request without a plan, the ``PlanFailure``, and whether it was one before."""
+
+    request: PlanRequest
+    code: PlanFailure
+    is_repeated: bool
+
+
+class RestClock:
+    """Measures for how long the robot has waited for the object to rest, since the last push."""
+
+    def __init__(self) -> None:
+        """Start with an object that rests."""
+        self._moving_since: float | None = None
+        self._present_wait = 0.0
+        # Long waits that have ended, in all [s].
+        self._earlier_waits = 0.0
+
+    @property
+    def is_long(self) -> bool:
+        """Whether the present wait is long enough to be reported."""
+        return self._present_wait > REST_REPORT_TIME
+
+    @property
+    def is_too_long(self) -> bool:
+        """Whether all long waits together are a reason to give up."""
+        return self.is_long and self._earlier_waits + self._present_wait > REST_TIME_LIMIT
+
+    def wait(self, time: float) -> None:
+        """
+        Wait on.
+
+        :param time: now [s].
+        """
+        if self._moving_since is None:
+            self._moving_since = time
+        self._present_wait = time - self._moving_since
+
+    def end_wait(self) -> None:
+        """End the present wait; the total keeps it if it was long, as rest may have seemed so."""
+        if self.is_long:
+            self._earlier_waits += self._present_wait
+        self._moving_since, self._present_wait = None, 0.0
+
+
+class ProgressMonitor:
+    """
+    Counts pushes and recoveries since the object last came nearer to its goal.
+
+    ``settings``: the ``SupervisionSettings``, and ``aim``: the tolerances that pushes aim at, both
+    of which may be replaced. ``rest_clock``: the ``RestClock``.
+    """
+
+    def __init__(self, settings: SupervisionSettings, aim: tuple[float, float]) -> None:
+        """
+        Start without attempts.
+
+        :param aim: tolerances of position [m] and heading [rad] that pushes aim at.
+        """
+        self.settings = settings
+        self.aim = aim
+        self.rest_clock = RestClock()
+        # Before that no other plan is requested [s].
+        self._retry_time = -math.inf
+        self._inspections = 0
+        self._safety_stops = 0
+        self._spins = 0
+        self._unseen_pushes = 0
+        self._least_error = math.inf
+        self._least_time = math.inf
+        self._attempts = 0
+        self._waypoints = 0
+        self._last_failure = ''
+        self._failed_request: _FailedRequest | None = None
+        self._planning_failure = ''
+        # Since when there is no plan for what the map shows [s], or None.
+        self._blocked_since: float | None = None
+        self._uncertainty = ''
+
+    def count_attempt(self, failure_reason: str = '') -> None:
+        """
+        Count a push or a recovery.
+
+        :param failure_reason: what went wrong, empty where nothing did.
+        """
+        self._attempts += 1
+        self._inspections = 0
+        self._last_failure = failure_reason or self._last_failure
+
+    def count_finished_push(self, plan: PushTrajectory, object_pose: Pose) -> None:
+        """
+        Count a push that has ended well.
+
+        :param plan: its ``PushTrajectory``.
+        :param object_pose: ``Pose`` of the object after it.
+        """
+        if plan.style is PushStyle.WAYPOINT and _is_at_end(plan, object_pose):
+            self.count_waypoint()
+        else:
+            self.count_attempt()
+
+    def count_waypoint(self) -> None:
+        """Count a push that has brought the object where the plan has it on its way."""
+        self._inspections = 0
+        self._waypoints += 1
+        if self._waypoints % WAYPOINTS_PER_ATTEMPT == 0:
+            self._attempts += 1
+
+    def count_safety_stop(self) -> bool:
+        """Count a stop by the safety layer; return whether it is one too many."""
+        self._safety_stops += 1
+        return self._safety_stops >= MAX_SAFETY_STOPS
+
+    def count_spin(self) -> bool:
+        """Count a push at which the wheels spun; return whether it is one too many."""
+        self._spins += 1
+        return self._spins >= MAX_SPINS
+
+    def forget_safety_stops(self) -> None:
+        """Count stops anew: somebody has looked after the robot."""
+        self._safety_stops = 0
+
+    def count_push(self, repeats_pose: bool) -> None:
+        """
+        Count a push that has ended.
+
+        :param repeats_pose: whether the object pose is what it was before, to the last digit.
+        """
+        self._unseen_pushes = self._unseen_pushes + 1 if repeats_pose else 0
+        self.rest_clock = RestClock()
+
+    def delay_request(self, time: float) -> None:
+        """
+        Wait for a moment before another plan is requested.
+
+        :param time: now [s].
+        """
+        self._retry_time = time + RETRY_TIME
+
+    def allow_request(self) -> None:
+        """Let another plan be requested at once."""
+        self._retry_time = -math.inf
+
+    def may_request(self, time: float) -> bool:
+        """
+        Return whether another plan may be requested.
+
+        :param time: now [s].
+        """
+        return time >= self._retry_time
+
+    def count_inspection(self, object_at_rest: ObjectAtRest) -> None:
+        """Count a look from another side at an object that may be at its goal."""
+        self._inspections += 1
+        if self._inspections > MAX_INSPECTIONS:
+            self._uncertainty = (
+                'aborted: the object may be at its goal, but its poses do not show it to within '
+                f'the tolerances: standard errors of {1e3 * object_at_rest.position_error:.1f} mm '
+                f'and {math.degrees(object_at_rest.heading_error):.2f} deg')
+
+    def on_planning_failed(self, request: PlanRequest, code: PlanFailure, reason: str,
+                           time: float) -> None:
+        """
+        Note that there is no plan; twice for the same reason from the same poses is once too many.
+
+        A plan that cannot be used tells nothing of these poses: it was spoilt or meant for others
+        on its way, and the next one may be right. What a map blocks, another one may free: that is
+        waited for, and counts as no attempt.
+
+        :param reason: the same in one sentence.
+        :param time: now [s].
+        """
+        if code not in MAP_FAILURES:
+            self.count_attempt(f'no plan: {reason}')
+            self._blocked_since = None
+        elif self._blocked_since is None:
+            self._blocked_since = time
+        if code is PlanFailure.INVALID_PLAN:
+            return
+        last = self._failed_request
+        is_repeated = (last is not None and last.code is code
+                       and not self._have_moved(last.request, request))
+        self._failed_request = _FailedRequest(request, code, is_repeated)
+        if self._blocked_since is not None:
+            if time - self._blocked_since >= MAP_TIME_LIMIT:
+                self._planning_failure = (f'aborted: planning failed for {MAP_TIME_LIMIT:g} s: '
+                                          f'{reason}')
+        elif is_repeated:
+            self._planning_failure = f'aborted: planning failed twice from here: {reason}'
+
+    def awaits_map(self, request: PlanRequest, time: float) -> bool:
+        """
+        Tell whether a plan would fail again, as no other map has come since it failed twice.
+
+        :param time: now [s].
+        """
+        last = self._failed_request
+        return (self._blocked_since is not None and time - self._blocked_since < MAP_TIME_LIMIT
+                and last is not None and last.is_repeated
+                and not self._have_moved(last.request, request))
+
+    def on_plan(self) -> None:
+        """Note that there is a plan."""
+        self._blocked_since = None
+        self.forget_planning_failures()
+
+    def forget_planning_failures(self) -> None:
+        """Forget requests without a plan, as there may be one now, but not since when."""
+        self._failed_request = None
+        if self._blocked_since is None:
+            self._planning_failure = ''
+
+    def check_goal(self, object_at_rest: ObjectAtRest, goal: Pose,
+                   remaining_time: float | None = None) -> GoalCheck:
+        """
+        Check whether an object is at its goal, and whether it has come nearer.
+
+        :param goal: goal ``Pose``.
+        :param remaining_time: that the task is expected to take still, where that shows progress
+            although the error does not fall [s].
+        """
+        settings, pose = self.settings, object_at_rest.pose
+        position_error = distance(pose, goal)
+        heading_error = abs(wrap_angle(pose.theta - goal.theta))
+        error = max(position_error / settings.position_tolerance,
+                    heading_error / settings.heading_tolerance)
+        sigmas = settings.confidence_sigmas
+        if object_at_rest.is_biased:
+            sigmas = min(BIASED_SIGMAS, sigmas)
+        position_margin = sigmas * object_at_rest.position_error
+        heading_margin = sigmas * object_at_rest.heading_error
+        if (position_error <= settings.position_tolerance - position_margin
+                and heading_error <= settings.heading_tolerance - heading_margin):
+            return GoalCheck.REACHED
+        is_certain = (position_error > settings.position_tolerance + position_margin
+                      or heading_error > settings.heading_tolerance + heading_margin)
+        if not (is_certain or object_at_rest.is_biased or self._is_averaged(object_at_rest)):
+            return GoalCheck.UNCERTAIN
+        self._note_progress(error, remaining_time)
+        if (object_at_rest.is_biased and position_error <= self.aim[0]
+                and heading_error <= self.aim[1]):
+            return GoalCheck.UNSEEN
+        return GoalCheck.MISSED
+
+    def averaging_reason(self, object_at_rest: ObjectAtRest) -> str:
+        """Say what averaging waits for, one sentence; empty where it does not take long."""
+        settings = self.settings
+        if object_at_rest.duration < settings.max_averaging_time:
+            return ''
+        position, heading = settings.precise_errors
+        return ('the noise of the object poses is averaged down to standard errors of '
+                f'{1e3 * position:.1f} mm and {math.degrees(heading):.2f} deg, for '
+                f'{settings.averaging_time_limit:g} s at most')
+
+    def _is_averaged(self, object_at_rest: ObjectAtRest) -> bool:
+        """Whether further poses are not worth their time."""
+        settings, duration = self.settings, object_at_rest.duration
+        if duration < settings.max_averaging_time:
+            return False
+        return (settings.is_precise(object_at_rest.position_error, object_at_rest.heading_error)
+                or duration >= settings.averaging_time_limit)
+
+    def _note_progress(self, error: float, remaining_time: float | None) -> None:
+        ratio, is_first = self.settings.improvement_ratio, math.isinf(self._least_error)
+        is_nearer = error < ratio * self._least_error
+        is_sooner = remaining_time is not None and remaining_time < ratio * self._least_time
+        if is_nearer:
+            self._least_error = error
+        if is_sooner and remaining_time is not None:
+            self._least_time = remaining_time
+        if is_nearer or is_sooner:
+            self._attempts = 0
+            self._waypoints = 0
+            self._safety_stops = self._safety_stops if is_first else 0
+            self._spins = self._spins if is_first else 0
+            self._last_failure = ''
+
+    @property
+    def cone_fraction(self) -> float:
+        """Fraction of the friction cone that the next plan may use."""
+        reductions = self._attempts // ATTEMPTS_PER_REDUCTION
+        return max(MIN_CONE_FRACTION, CAUTION_FACTOR ** reductions)
+
+    @property
+    def abort_reason(self) -> str:
+        """Why the task is to be aborted, empty while it is not."""
+        if self._unseen_pushes >= MAX_UNSEEN_PUSHES:
+            return (f'aborted: {self._unseen_pushes} pushes have left the object pose as it was, '
+                    'to the last digit: the tracker is frozen, or the robot pushes elsewhere')
+        if self._attempts < self.settings.max_attempts:
+            return self._uncertainty or self._planning_failure
+        last = f'; last failure: {self._last_failure}' if self._last_failure else ''
+        return f'aborted: no progress in {self._attempts} attempts{last}'
+
+    @property
+    def failure(self) -> TaskFailure | None:
+        """Why the task is to be aborted, None while it is not."""
+        if self._unseen_pushes >= MAX_UNSEEN_PUSHES:
+            return TaskFailure.NO_MEASUREMENTS
+        if self._attempts >= self.settings.max_attempts:
+            return TaskFailure.NO_PROGRESS
+        return TaskFailure.NO_PLAN if self._planning_failure else None
+
+    def _have_moved(self, before: PlanRequest, request: PlanRequest) -> bool:
+        """Whether object or robot are elsewhere than in a previous request."""
+        return (has_moved(before.object_pose, request.object_pose, self.settings)
+                or has_moved(before.robot_pose, request.robot_pose, self.settings))
+
+
+def _is_at_end(plan: PushTrajectory, pose: Pose) -> bool:
+    """Whether an object is about where a plan ends."""
+    end = Pose(*plan.object_poses[-1].tolist())
+    return (distance(end, pose) < WAYPOINT_DISTANCE
+            and abs(wrap_angle(end.theta - pose.theta)) < WAYPOINT_ANGLE)

@@ -1,1 +1,0 @@
-"""State estimation during a push: object, centre of friction, contact, and monitors."""

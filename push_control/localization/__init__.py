@@ -1,1 +1,0 @@
-"""Where robot and object are, and what their motion reveals of friction."""

@@ -1,0 +1,1 @@
+"""Perception: where robot and object are, and whether measurements can be used."""

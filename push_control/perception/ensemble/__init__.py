@@ -1,0 +1,1 @@
+"""Ensemble filter: where robot and object are, and what their motion reveals of friction."""

@@ -1,0 +1,179 @@
+"""
+Measurement update of an ensemble: object poses, and measured errors of the robot.
+
+With the anomalies A of the state and B of what is measured, at its own time, as columns of n
+members, the deterministic ensemble Kalman filter (Sakov and Oke, Tellus A 60 (2008)) moves the
+mean by the gain K times the innovation, and the anomalies by half as much:
+
+    K = A B' (B B' + (n - 1) R)^-1,    A <- A - K B / 2
+
+That is exact for measurements that tell little each; a single one that tells much leaves up to
+half of the standard deviation, so that no update makes the ensemble too sure.
+
+An object that nobody touches tells nothing of the robot: then only the object is updated. A pose
+that nothing explains is an outlier; several in a row are an object that somebody has moved.
+"""
+
+import math
+
+import numpy as np
+from push_control.perception.ensemble.ensemble_state import EnsembleState, POSE
+from push_control.perception.ensemble.ensemble_update import EnsembleUpdate
+from push_control.perception.ensemble.members import OBJECT_COLUMNS
+from push_control.settings import ControlSettings
+from push_model.geometry import FloatArray, wrap_angle
+from push_model.signals import ObjectPose
+
+# Time after the last contact for which object poses still tell of the robot [s]; chosen: longer
+# than they are late, and than the object slides on.
+COUPLING_TIME = 0.4
+# Standard deviations below which averaging does not bring the object's pose, as errors of
+# successive measurements may be correlated [m], [rad]; chosen.
+MIN_POSITION_STD = 0.0004
+MIN_HEADING_STD = 0.001
+MIN_STDS = MIN_POSITION_STD, MIN_POSITION_STD, MIN_HEADING_STD
+# Squared Mahalanobis distance beyond which a pose is an outlier, and the number of outliers in a
+# row after which the object has been moved; chosen: beyond five standard deviations, and longer
+# than jumps of a tracker last.
+OUTLIER_GATE = 27.0
+MAX_OUTLIERS = 3
+# Standard deviations that are added to a robot where an object next to it is not where it was
+# pushed to [m], [rad]; chosen.
+LOST_STDS = 0.03, 0.03, 0.05
+# Columns of a member's state that are motion and force: velocities, accelerations, mode, forces.
+_MOTION = list(range(3, 9)) + list(range(15, 18))
+
+
+class MeasurementUpdate:
+    """Corrects the members of an ensemble by measurements."""
+
+    def __init__(self, state: EnsembleState, settings: ControlSettings) -> None:
+        """
+        Start before the first measurement.
+
+        :param state: the ``EnsembleState`` to correct.
+        :param settings: ``ControlSettings``, for the noise of object poses.
+        """
+        self._state = state
+        self._settings = settings
+
+    def update_object(self, measured: ObjectPose) -> bool:
+        """
+        Correct all members by a measured object pose.
+
+        :param measured: ``ObjectPose``, finite; one that is not newer than the last is ignored.
+        :return: whether the estimate includes it.
+        """
+        state = self._state
+        if state.pose_time is None:
+            self._place_objects(measured)
+            state.pose_time = measured.time
+            return True
+        if measured.time <= state.pose_time or not state.history.times:
+            return False
+        state.pose_time = measured.time
+        state.history.drop_before(measured.time)
+        update = EnsembleUpdate(self._expected(measured.time), self._noise(measured))
+        innovation = np.array(measured.pose) - update.mean
+        innovation[2] = wrap_angle(innovation[2])
+        test = update.test(innovation)
+        state.log_likelihood -= 0.5 * (min(test.squared_distance, OUTLIER_GATE)
+                                       + test.log_determinant)
+        if test.squared_distance > OUTLIER_GATE:
+            return self._count_outlier(measured, innovation)
+        state.outliers = 0
+        self._correct(update, state.time_since_contact(measured.time) < COUPLING_TIME)
+        self._keep_object_stds()
+        return True
+
+    def update_robot(self, update: EnsembleUpdate, innovation: FloatArray,
+                     is_certain: bool) -> None:
+        """
+        Correct all members by a measured error of the robot's pose.
+
+        :param update: ``EnsembleUpdate`` by what is measured of the robots.
+        :param innovation: measured minus mean, shape (m,).
+        :param is_certain: whether an outlier means that the robot has jumped; else it is rejected.
+        """
+        state = self._state
+        test = update.test(innovation)
+        is_outlier = test.squared_distance > OUTLIER_GATE * len(innovation)
+        if not is_outlier:
+            self._correct(update, is_coupled=True)
+        elif is_certain:
+            # All members jump with it.
+            robots = state.members.robot_poses
+            state.members.set_robot_poses(robots + update.jump(robots))
+            state.restart_history()
+
+    def _expected(self, time: float) -> FloatArray:
+        """Return the object poses that the members expect to be measured, shape (n, 3)."""
+        bias, poses = self._state.bias, self._state.history.at(time)
+        objects = poses[:, POSE:]
+        return objects + bias.errors(poses[:, :POSE], objects) if bias.exists else objects
+
+    def _noise(self, measured: ObjectPose) -> FloatArray:
+        """Return the covariance of the errors that differ from one object pose to the next."""
+        covariance, bias = self._settings.believed_covariance(measured).matrix, self._state.bias
+        return covariance + bias.roughness if bias.exists else covariance
+
+    def _correct(self, update: EnsembleUpdate, is_coupled: bool) -> None:
+        """
+        Update all members by a measurement.
+
+        :param update: ``EnsembleUpdate``, its innovation tested.
+        :param is_coupled: whether it tells of the robot and of friction too.
+        """
+        state, members = self._state, self._state.members
+        first = 0 if is_coupled else OBJECT_COLUMNS
+        poses = members.poses.copy()
+        update.apply(poses, first)
+        update.apply_to_all(state.history.poses, first)
+        if state.bias.exists:
+            update.apply(state.bias.coefficients)
+        members.set_poses(poses, first)
+        if not is_coupled:
+            return
+        update.apply(members.parameters)
+        members.apply_parameters()
+        if state.pose_time is not None:
+            members.close_gaps()
+
+    def _keep_object_stds(self) -> None:
+        """Add errors to the objects where averaging has made them too equal."""
+        members = self._state.members
+        stds = members.deviations[OBJECT_COLUMNS:].tolist()
+        missing = [math.sqrt(max(0.0, min_std ** 2 - std ** 2))
+                   for min_std, std in zip(MIN_STDS, stds)]
+        if any(missing) and members.contact_ratio == 0.0:
+            poses = members.poses.copy()
+            poses[:, OBJECT_COLUMNS:] += missing * self._state.normal((members.count, POSE))
+            members.set_poses(poses, OBJECT_COLUMNS)
+
+    def _count_outlier(self, measured: ObjectPose, innovation: FloatArray) -> bool:
+        """Count a pose that nothing explains; return whether the object was moved there."""
+        self._state.outliers += 1
+        if self._state.outliers < MAX_OUTLIERS:
+            return False
+        self._accept_displacement(measured, innovation)
+        return True
+
+    def _accept_displacement(self, measured: ObjectPose, displacement: FloatArray) -> None:
+        """Accept that the object is elsewhere: somebody has moved it, or the robot is lost."""
+        state = self._state
+        was_pushed = state.members.contact_ratio > 0.0
+        if state.bias.explains(displacement):
+            # Perhaps it is where it was, and the robot sees another mark.
+            state.bias.forget()
+        self._place_objects(measured)
+        if was_pushed:
+            state.inflate_robots(LOST_STDS)
+
+    def _place_objects(self, measured: ObjectPose) -> None:
+        state, members = self._state, self._state.members
+        stds = np.sqrt(np.diag(self._noise(measured)))
+        poses = np.array(measured.pose) + stds * state.normal((members.count, POSE))
+        members.set_object_poses(poses - state.bias.errors(members.robot_poses, poses))
+        members.states[:, _MOTION] = 0.0
+        state.outliers = 0
+        state.restart_history()

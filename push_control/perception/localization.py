@@ -1,0 +1,168 @@
+"""Localization of robot and object by measurements as they come: the filter in, poses out."""
+
+import math
+
+from push_control.perception.ensemble.contact_hypotheses import ContactHypotheses
+from push_control.perception.ensemble.ensemble_state import OdometryNoise
+from push_control.perception.ensemble.push_ensemble import PushEnsemble
+from push_control.perception.odometry_shift import OdometryShift
+from push_control.settings import ControlSettings
+from push_control.supervision_settings import SupervisionSettings
+from push_model.contact import find_contact, FoundContact
+from push_model.geometry import Pose
+from push_model.parameters import PushedObject, RoundRobot
+from push_model.signals import ObjectPose, Odometry
+from push_navigation.map_clearance import PositionUncertainty
+from push_safety.odometry_check import integrated_step
+
+# Standard deviations of the scale of odometry beyond which an estimate of it is no chance; chosen.
+UNLIKELY_SIGMAS = 4.0
+
+
+class Localization(ContactHypotheses):
+    """Follows contact hypotheses with odometry that may jump, and may measure the world."""
+
+    def __init__(self, obj: PushedObject, robot: RoundRobot, control: ControlSettings,
+                 supervision: SupervisionSettings) -> None:
+        """
+        Start without measurements.
+
+        :param control: ``ControlSettings``, for the noise of object poses.
+        :param supervision: ``SupervisionSettings``, for the noise of odometry.
+        """
+        super().__init__(PushEnsemble(obj, robot, control, _odometry_noise(supervision)))
+        self._control = control
+        self._supervision = supervision
+        # The newest odometry that has come here, and whether the pose of the next one has jumped.
+        self._received: Odometry | None = None
+        self._has_jumped = False
+        self._odometry_shift = OdometryShift(robot.max_acceleration)
+
+    # Odometry.
+
+    @property
+    def has_received_odometry(self) -> bool:
+        """Whether odometry has come, and was not only taken over."""
+        return self._received is not None
+
+    @property
+    def is_robot_measured(self) -> bool:
+        """Whether odometry measures the robot in the world, so that its place does not drift."""
+        return (self._received is not None
+                and self._supervision.believed_covariance(self._received) is not None)
+
+    @property
+    def is_robot_elsewhere(self) -> bool:
+        """Whether the robot was put elsewhere, by jumps of odometry: nothing known holds then."""
+        return self._odometry_shift.is_robot_elsewhere
+
+    @property
+    def position_uncertainty(self) -> PositionUncertainty:
+        """``PositionUncertainty`` of the robot; it grows where odometry drifts."""
+        uncertainty = super().position_uncertainty
+        return PositionUncertainty(uncertainty.position) if self.is_robot_measured else uncertainty
+
+    @property
+    def odometry_inconsistency(self) -> str:
+        """What is wrong with odometry by the contacts with the object; empty where nothing is."""
+        scale = self.odometry_scale
+        if abs(scale) <= UNLIKELY_SIGMAS * self._supervision.odometry_scale:
+            return ''
+        return (f'odometry means {100.0 * abs(scale):.0f} % {"more" if scale > 0.0 else "less"} '
+                'motion than there is, as where wheels slip')
+
+    def move(self, odometry: Odometry) -> Pose | None:
+        """
+        Move the robot by odometry, and by its twist alone where its pose has jumped.
+
+        :param odometry: ``Odometry``, finite; one that is not newer than the last is ignored.
+        :return: the step as ``Pose`` in the robot's axes before; None for the first odometry, and
+            for one that is ignored.
+        """
+        previous = self._received
+        if previous is not None and odometry.time <= previous.time:
+            return None
+        self._received = odometry
+        if previous is None:
+            self.predict(odometry)
+            return None
+        step = previous.pose.inverse() @ odometry.pose
+        if self._has_jumped:
+            self._has_jumped = False
+            step = integrated_step(previous, odometry)
+            self._odometry_shift.add(previous, odometry, step)
+        self.predict(odometry, step)
+        return step
+
+    def correct_by(self, odometry: Odometry) -> None:
+        """
+        Correct the robot by the pose of odometry that measures it in the world.
+
+        :param odometry: ``Odometry``, finite; changes nothing where it drifts.
+        """
+        covariance = self._supervision.believed_covariance(odometry)
+        if covariance is not None:
+            self.update_robot(odometry.pose, covariance.matrix)
+
+    def set_jumped(self, has_jumped: bool) -> None:
+        """
+        Set whether the pose of the next odometry has jumped, so that its step is not added up.
+
+        :param has_jumped: whether it has.
+        """
+        self._has_jumped = has_jumped
+
+    def corrected(self, odometry: Odometry) -> Odometry:
+        """
+        Return odometry with the robot where it is localized; unchanged before the first one.
+
+        :param odometry: ``Odometry`` as it comes.
+        """
+        if not self.is_initialized:
+            return odometry
+        return Odometry(odometry.time, self.pose, odometry.twist, odometry.covariance)
+
+    # Contact with the object.
+
+    def update_from_contact(self, measured: ObjectPose, obj: PushedObject, robot: RoundRobot,
+                            deviation: float, is_certain: bool = True) -> None:
+        """
+        Localize the robot by its contact with the object, at the time of an object pose.
+
+        :param deviation: standard deviation of the gap [m].
+        :param is_certain: whether they are in contact for certain.
+        """
+        _, normal, gap = self._measured_contact(measured, obj, robot)
+        noise = self._control.believed_covariance(measured)
+        # Lever arm of the contact's normal, which leads through the robot's centre, about the
+        # origin of the object, whose heading is noisy.
+        robot_pose = self.pose_at(measured.time)
+        x, y = robot_pose.x - measured.pose.x, robot_pose.y - measured.pose.y
+        lever_arm = x * math.sin(normal) - y * math.cos(normal)
+        noise_std = math.hypot(noise.position_deviation, lever_arm * noise.heading_deviation)
+        self.update_along(normal, gap, max(deviation, noise_std), is_certain)
+
+    def correct_overlap(self, measured: ObjectPose, obj: PushedObject, robot: RoundRobot,
+                        deviation: float) -> None:
+        """
+        Correct a robot pose that overlaps the object.
+
+        :param deviation: standard deviation of the gap [m].
+        """
+        if self._measured_contact(measured, obj, robot).gap < 0.0:
+            self.update_from_contact(measured, obj, robot, deviation)
+
+    def _measured_contact(self, measured: ObjectPose, obj: PushedObject,
+                          robot: RoundRobot) -> FoundContact:
+        """Find the contact at the time of an object pose."""
+        robot_pose = self.pose_at(measured.time)
+        return find_contact(obj, measured.pose, robot_pose[:2], robot.radius)
+
+
+def _odometry_noise(supervision: SupervisionSettings) -> OdometryNoise:
+    """Return errors of odometry; one whose pose is absolute has a random walk alone."""
+    if supervision.odometry_reference == 'absolute':
+        return OdometryNoise(0.0, 0.0, supervision.odometry_walk,
+                             supervision.odometry_heading_walk)
+    return OdometryNoise(supervision.odometry_scale, supervision.odometry_drift,
+                         supervision.odometry_walk, supervision.odometry_heading_walk)

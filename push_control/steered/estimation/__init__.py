@@ -1,0 +1,1 @@
+"""State estimation during a steered push: object, centre of friction and contact."""

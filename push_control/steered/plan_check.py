@@ -1,0 +1,150 @@
+"""Checks of a plan before it is driven: it pushes this object, from where it is, to its goal."""
+
+from collections.abc import Callable
+import math
+from typing import NamedTuple
+
+import numpy as np
+from push_control.steered.estimation.contact_site import CONTACT_TOLERANCE
+from push_model.contact import find_contact
+from push_model.geometry import distance, FloatArray, Pose, wrap_angle
+from push_model.parameters import PushedObject, RoundRobot
+from push_model.trajectory import PushLine, PushTrajectory
+from push_navigation.occupancy_map import OccupancyMap
+from push_primitives.contact_places import contact_places
+from push_primitives.simplification import simplified_object
+
+# Speed and yaw rate of a plan over the limits of the robot; chosen: planners keep to the limits,
+# and samples of a straight push, which are a mean, are not exact.
+MAX_SPEED_RATIO = 1.2
+
+
+class Place(NamedTuple):
+    """
+    Where the object should be.
+
+    :param pose: ``Pose`` of the object.
+    :param max_distance: distance up to which a pose counts as there [m].
+    :param max_rotation: rotation up to which it does [rad].
+    """
+
+    pose: Pose
+    max_distance: float
+    max_rotation: float
+
+    def contains(self, pose: Pose) -> bool:
+        """Tell whether a pose counts as there."""
+        return (distance(self.pose, pose) <= self.max_distance
+                and abs(wrap_angle(pose.theta - self.pose.theta)) <= self.max_rotation)
+
+
+class ExpectedPush(NamedTuple):
+    """
+    What a plan has to do.
+
+    :param obj: the ``PushedObject``.
+    :param robot: the ``RoundRobot``.
+    :param starts: each ``Place`` at which it may start; empty where that is not known.
+    :param goal: ``Place`` at which it has to end; None where it may end anywhere.
+    :param occupancy_map: ``OccupancyMap`` that it has to keep to; None for open floor.
+    """
+
+    obj: PushedObject
+    robot: RoundRobot
+    starts: tuple[Place, ...]
+    goal: Place | None
+    occupancy_map: OccupancyMap | None
+
+
+def check_plan(plan: PushTrajectory, expected: ExpectedPush) -> None:
+    """
+    Refuse a plan that does not do what is expected.
+
+    :raises ValueError: saying what is wrong with it.
+    """
+    _check_ends(plan, expected)
+    _check_speeds(plan, expected.robot)
+    _check_contact(plan, expected.obj, expected.robot)
+    if plan.line is not None:
+        _check_face(plan.line, expected.obj)
+    if expected.occupancy_map is not None:
+        _check_map(plan, expected.obj, expected.robot, expected.occupancy_map)
+
+
+def _check_ends(plan: PushTrajectory, expected: ExpectedPush) -> None:
+    start, end = (Pose(*plan.object_poses[sample].tolist()) for sample in (0, -1))
+    if expected.starts and not any(place.contains(start) for place in expected.starts):
+        raise ValueError('the plan starts where the object is not: '
+                         + _offset_text(start, expected.starts[-1]))
+    if expected.goal is not None and not expected.goal.contains(end):
+        raise ValueError('the plan ends beside the goal: ' + _offset_text(end, expected.goal))
+
+
+def _offset_text(pose: Pose, place: Place) -> str:
+    rotation = abs(wrap_angle(pose.theta - place.pose.theta))
+    return (f'got {distance(place.pose, pose):.3f} m and {math.degrees(rotation):.1f} deg off, '
+            f'expected at most {place.max_distance:g} m and '
+            f'{math.degrees(place.max_rotation):.1f} deg')
+
+
+def _check_speeds(plan: PushTrajectory, robot: RoundRobot) -> None:
+    """Refuse speeds beyond the robot, be they stated or those from sample to sample."""
+    steps = np.diff(plan.robot_poses, axis=0) / np.diff(plan.times)[:, None]
+    for rates in (steps, plan.robot_twists):
+        speed = float(np.hypot(rates[:, 0], rates[:, 1]).max())
+        yaw_rate = float(np.abs(rates[:, 2]).max())
+        if speed > MAX_SPEED_RATIO * robot.max_speed:
+            raise ValueError(f'the plan is beyond the robot: got {speed:.3g} m/s, expected at '
+                             f'most {robot.max_speed:g} m/s')
+        if yaw_rate > MAX_SPEED_RATIO * robot.max_yaw_rate:
+            raise ValueError(f'the plan is beyond the robot: got {yaw_rate:.3g} rad/s, expected '
+                             f'at most {robot.max_yaw_rate:g} rad/s')
+
+
+def _check_contact(plan: PushTrajectory, obj: PushedObject, robot: RoundRobot) -> None:
+    """Refuse a plan whose robot does not touch this object at first, or is far from it later."""
+    start, center = Pose(*plan.object_poses[0].tolist()), plan.robot_poses[0, :2].tolist()
+    gap = find_contact(obj, start, center, robot.radius).gap
+    # False for a gap that is not a number.
+    if not abs(gap) <= CONTACT_TOLERANCE:
+        raise ValueError(f'the plan is for another object or robot: got a gap of {gap:.3f} m '
+                         f'between them at its start, expected at most {CONTACT_TOLERANCE:g} m')
+    reach = obj.radius if not obj.outline else max(math.hypot(*point) for point in obj.outline)
+    apart = float(np.hypot(*(plan.robot_poses - plan.object_poses)[:, :2].T).max())
+    largest = reach + robot.radius + CONTACT_TOLERANCE
+    if apart > largest:
+        raise ValueError(f'the plan loses the object: got {apart:.2f} m between it and the robot, '
+                         f'expected at most {largest:.2f} m')
+
+
+def _check_face(line: PushLine, obj: PushedObject) -> None:
+    """Refuse a push at a face that this object does not have."""
+    last = contact_places(simplified_object(obj))[-1].face
+    if line.face > last:
+        raise ValueError(f'the plan is for another object: got a push at face {line.face}, '
+                         f'expected one from 0 to {last}')
+
+
+def _check_map(plan: PushTrajectory, obj: PushedObject, robot: RoundRobot,
+               occupancy_map: OccupancyMap) -> None:
+    def object_collision(poses: FloatArray) -> int | None:
+        return occupancy_map.first_object_collision(obj, poses, 0.0)
+
+    def robot_collision(poses: FloatArray) -> int | None:
+        return occupancy_map.first_robot_collision(robot, poses, 0.0)
+    _check_body('object', plan.object_poses, object_collision)
+    _check_body('robot', plan.robot_poses, robot_collision)
+
+
+def _check_body(name: str, poses: FloatArray,
+                first_collision: Callable[[FloatArray], int | None]) -> None:
+    """Refuse poses that lead into an obstacle; a body that stands in one at first may leave it."""
+    free = next((sample for sample in range(len(poses))
+                 if first_collision(poses[sample:sample + 1]) is None), len(poses))
+    if free == len(poses):
+        raise ValueError(f'the plan keeps the {name} in obstacles of the map')
+    collision = first_collision(poses[free:])
+    if collision is not None:
+        x, y, _ = poses[free + collision].tolist()
+        raise ValueError(f'the plan leads the {name} into an obstacle of the map, at {x:.2f} m, '
+                         f'{y:.2f} m')

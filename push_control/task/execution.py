@@ -1,0 +1,307 @@
+"""
+Execution of a task: the state that it is in, and the behaviour that acts in it.
+
+``TaskStateMachine`` has the states, ``StandReasons`` what keeps the robot from moving in any of
+them, and one ``Behavior`` each commands the robot. A step updates perception, then stands or lets
+the behaviour act, and changes the state once that has ended. A ``BehaviorFactory`` says which
+states and behaviours there are: those of repeated pushes, or of a single one.
+"""
+
+import math
+from typing import Any, NamedTuple
+
+from push_base.push_force import force_warning
+from push_control.behaviors.behavior import Abort, Behavior, MeasurementNeed, NoPushNeeded, Stand
+from push_control.behaviors.failures import BehaviorFailure, FailureReport
+from push_control.behaviors.progress import ProgressMonitor
+from push_control.goal import TaskFailure, TaskGoal
+from push_control.perception.object_knowledge import ObjectKnowledge
+from push_control.perception.raw_perception import RawPerception
+from push_control.settings import ControlSettings
+from push_control.steered.status import ControllerStatus
+from push_control.supervision_settings import aimed_tolerances, SupervisionSettings
+from push_control.task.behavior_factory import BehaviorFactory
+from push_control.task.stand_reasons import StandCause, StandReason, StandReasons
+from push_control.task.state_machine import TaskStateMachine, Transitions
+from push_control.task.status import StateChange, SupervisorStatus, TaskState
+from push_model.observation import Observation
+from push_model.parameters import PushedObject, RoundRobot
+from push_model.signals import ObjectEstimate, STOP, Twist
+from push_model.trajectory import PushTrajectory
+from push_navigation.settings import DriveSettings
+
+# Time after the end of a steered push from which on the object may be at rest [s]; chosen: longer
+# than the latency of its poses (0.08 s in the scenarios), and than it slides on.
+SETTLING_TIME = 0.3
+
+# Why a task is planned again, or what has happened while the robot stood.
+STARTED_OVER = ('odometry has jumped while the robot stood: localization of robot and object '
+                'starts over')
+
+
+class _Answer(NamedTuple):
+    """The last command, the times of the measurements that it answers, and whose it is."""
+
+    stamps: tuple[float, float, float | None] | None = None
+    command: Twist = STOP
+    behavior: Behavior[Any] | None = None
+
+
+class TaskExecution:
+    """Answers measurements with commands."""
+
+    def __init__(self, obj: PushedObject, robot: RoundRobot, control: ControlSettings,
+                 drive: DriveSettings, supervision: SupervisionSettings, *,
+                 factory: type[BehaviorFactory] | None = None,
+                 knowledge: ObjectKnowledge | None = None) -> None:
+        """
+        Stand idle.
+
+        :param factory: class of the ``BehaviorFactory``; None for repeated pushes.
+        :param knowledge: what was learned of the object in previous tasks, or None.
+        """
+        if factory is None:
+            # Imported here: it takes a while, and a single push does without.
+            from push_control.task.repeated_pushes import RepeatedPushBehaviors as factory
+        self._progress = ProgressMonitor(supervision, aimed_tolerances(control, supervision))
+        self._behaviors: BehaviorFactory = factory(obj, robot, control, drive, supervision)
+        self._perception: RawPerception = self._behaviors.new_perception(-math.inf)
+        if knowledge is not None:
+            self._perception.start_from(knowledge)
+        self._force_warning = force_warning(obj, robot)
+        self._machine = TaskStateMachine(factory.table)
+        self._reasons = StandReasons()
+        self._behavior: Behavior[Any] = Stand()
+        self._goal: TaskGoal | None = None
+        self._plan: PushTrajectory | None = None
+        # Status of the last push that has ended.
+        self._last_push = ControllerStatus()
+        self._answer = _Answer()
+
+    # What is known.
+
+    @property
+    def perception(self) -> RawPerception:
+        """What is known of robot and object: a ``TaskPerception`` in repeated pushes."""
+        return self._perception
+
+    @property
+    def object_estimate(self) -> ObjectEstimate | None:
+        """The present ``ObjectEstimate``; None where there is none."""
+        return self._behavior.object_estimate or self._perception.object_estimate
+
+    @property
+    def status(self) -> SupervisorStatus:
+        """The present ``SupervisorStatus``, made where it is read."""
+        machine, perception = self._machine, self._perception
+        reason = self.reason
+        return SupervisorStatus(
+            state=machine.state, reason=reason, since=machine.since, pushes=machine.pushes,
+            recoveries=machine.recoveries, history=machine.history, push=self._push_status,
+            robot_pose=perception.robot_pose if perception.is_localized else None,
+            is_requested=machine.is_requested and reason == machine.reason,
+            failure=machine.failure)
+
+    @property
+    def state(self) -> TaskState:
+        """The present ``TaskState``."""
+        return self._machine.state
+
+    @property
+    def history(self) -> tuple[StateChange, ...]:
+        """``StateChange`` of every state since the goal was set."""
+        return self._machine.history
+
+    @property
+    def recoveries(self) -> int:
+        """Number of failures recovered from for this goal."""
+        return self._machine.recoveries
+
+    @property
+    def reason(self) -> str:
+        """One sentence on the present state, empty while all is well."""
+        stand_reason = self._stand_reason
+        if stand_reason is not None:
+            return stand_reason.sentence
+        reason = self._behavior.waiting_reason or self._machine.reason
+        if self.state is TaskState.PUSH:
+            reason = reason or self._behavior.push_reason
+        elif not self.state.is_standing:
+            reason = reason or self._perception.pose_inconsistency
+        return reason
+
+    @property
+    def awaits_resume(self) -> bool:
+        """Whether the base was stopped, and the robot stands until ``resume`` or a goal."""
+        reason = self._stand_reason
+        return self._behavior.awaits_resume or (
+            reason is not None and reason.cause is StandCause.AWAITS_RESUME)
+
+    @property
+    def _stand_reason(self) -> StandReason | None:
+        """Why a robot with a task under way has to stand, or None."""
+        if self.state.is_standing or self._behavior.handles_stops:
+            return None
+        return self._reasons.first(self._perception.time)
+
+    @property
+    def _push_status(self) -> ControllerStatus:
+        """Status of the present push, or of the last one."""
+        present = self._behavior.push_status
+        return self._last_push if present is None else present
+
+    @property
+    def _is_straight(self) -> bool:
+        return self._plan is not None and self._plan.style.is_straight
+
+    # From a measurement to a command.
+
+    def step(self, observation: Observation, dt: float) -> Twist:
+        """
+        Answer a measurement; the same observation again gets the same answer.
+
+        :param observation: ``Observation``, with odometry as it comes.
+        :param dt: time since the last step [s].
+        :raises ValueError: where dt is negative or not finite.
+        """
+        if not 0.0 <= dt < math.inf:
+            raise ValueError(f'dt: got {dt!r}, expected a finite time of at least 0 [s]')
+        answer = self._answer
+        if observation.stamps != answer.stamps or self._behavior is not answer.behavior:
+            self._update_perception(observation)
+            self._update_stand_reasons()
+            stand_reason = self._stand_reason
+            command = self._act(dt) if stand_reason is None else self._stand(stand_reason)
+            self._answer = _Answer(observation.stamps, command, self._behavior)
+            self._perception.add_command(command, observation.time)
+        return self._answer.command
+
+    def _update_perception(self, observation: Observation) -> None:
+        """Take the measurements in; start over where the robot was put elsewhere."""
+        starts_over = self._perception.is_robot_elsewhere and not self._reasons.is_stopped
+        if starts_over:
+            knowledge = self._perception.knowledge
+            self._perception = self._behaviors.new_perception(observation.odometry.time)
+            if knowledge is not None:
+                self._perception.start_from(knowledge)
+        self._perception.update(observation)
+        if not starts_over:
+            return
+        if self.state.is_standing:
+            self._machine.note(self._perception.time, STARTED_OVER)
+        else:
+            self._enter(TaskState.PLAN, STARTED_OVER)
+
+    def _update_stand_reasons(self) -> None:
+        """Check the measurements that the behaviour needs."""
+        need, perception = self._behavior.measurement_need, self._perception
+        if need is MeasurementNeed.NONE:
+            self._reasons.forget_measurements()
+            return
+        fault = perception.measurement_fault(
+            needs_object=need is MeasurementNeed.ODOMETRY_AND_OBJECT)
+        self._reasons.on_measurements(fault, perception.time)
+
+    def _stand(self, reason: StandReason) -> Twist:
+        """Wait, and give the task up where that takes too long."""
+        self._behavior.pause()
+        if reason.failure is not None:
+            self._abort(reason.failure, f'aborted: {reason.sentence}')
+        return STOP
+
+    def _act(self, dt: float) -> Twist:
+        """Let the behaviour act, and leave it once it has ended."""
+        command = self._behavior.step(self._perception, dt)
+        failure = self._behavior.failure
+        if failure is not None:
+            self._end_after_failure(failure)
+            return STOP
+        if self._behavior.finished:
+            self._advance()
+        return command
+
+    # From state to state.
+
+    @property
+    def _transitions(self) -> Transitions:
+        """Where the present state leads, in which the robot acts."""
+        return self._machine.table.transitions[self.state]
+
+    def _advance(self) -> None:
+        """Go on to the state that the end of the behaviour leads to."""
+        result = self._behavior.result
+        if isinstance(result, Abort):
+            self._abort(*result)
+        elif result is NoPushNeeded.REACHED:
+            self._enter(TaskState.DONE)
+        elif result is NoPushNeeded.UNSEEN:
+            self._enter(TaskState.RETREAT, 'the object has to be seen from another side')
+            self._behavior = self._behaviors.inspection(self._perception)
+        elif not self._plans_next_goal():
+            self._enter(self._next_state())
+
+    def _next_state(self) -> TaskState:
+        """Find the state after a behaviour that has ended well."""
+        next_state = self._transitions.success
+        if self.state is TaskState.PUSH and not next_state.is_final and self._plan is not None:
+            self._progress.count_finished_push(self._plan, self._perception.object_pose.pose)
+        if next_state is TaskState.ALIGN and self._is_straight:
+            # Such a push finds the contact by itself, without a stop before it.
+            return TaskState.PUSH
+        return next_state
+
+    def _plans_next_goal(self) -> bool:
+        """Plan from rest to a goal that has come during the push; tell whether there is one."""
+        goal = self._behavior.next_goal
+        if goal is None:
+            return False
+        self._goal = goal
+        self._machine.start_task()
+        self._enter(TaskState.PLAN, 'new goal', is_requested=True)
+        return True
+
+    def _end_after_failure(self, failure: FailureReport) -> None:
+        """Go on after a failure, unless it has shown that the object is too heavy."""
+        has_spun = failure.reason is BehaviorFailure.WHEELS_SPIN
+        if has_spun and self._progress.count_spin():
+            self._abort(TaskFailure.TOO_HEAVY, f'aborted: {failure}')
+        else:
+            self._recover(str(failure))
+
+    def _recover(self, reason: str, failure: TaskFailure = TaskFailure.PUSH_FAILED) -> None:
+        """Count a failure as an attempt, and go to where it leads."""
+        self._progress.count_attempt(reason)
+        if not self._plans_next_goal():
+            self._enter_after_failure(reason, failure)
+
+    def _enter_after_failure(self, reason: str, failure: TaskFailure) -> None:
+        if self.state in (TaskState.PLAN, TaskState.APPROACH):
+            self._progress.delay_request(self._perception.time)
+        next_state = self._transitions.failure
+        if next_state is TaskState.FAILED:
+            self._abort(failure, reason)
+            return
+        self._machine.count_recovery()
+        self._enter(next_state, reason)
+
+    def _abort(self, failure: TaskFailure | None, reason: str) -> None:
+        self._enter(TaskState.FAILED, reason, failure=failure)
+
+    def _enter(self, state: TaskState, reason: str = '', *, is_requested: bool = False,
+               failure: TaskFailure | None = None) -> None:
+        """Change the state, and start its behaviour."""
+        perception = self._perception
+        if state is TaskState.PLAN and self._goal is None:
+            # After the retreat of a task that was cancelled.
+            state = TaskState.IDLE
+        self._last_push = self._push_status
+        if self.state is TaskState.PUSH:
+            self._progress.count_push(perception.repeats_pose)
+        self._behavior = self._behaviors.create(
+            state, self._plan, self._goal, perception, self._progress)
+        if state is TaskState.RETREAT:
+            # A straight push ends at rest.
+            settling_time = 0.0 if self._is_straight else SETTLING_TIME
+            perception.restart_averaging(perception.time + settling_time)
+        self._machine.enter(
+            state, perception.time, reason, is_requested=is_requested, failure=failure)

@@ -1,0 +1,45 @@
+"""A single push: the behaviours of a task with one steered push."""
+
+from typing import Any
+
+from push_control.behaviors.behavior import Behavior, Stand
+from push_control.behaviors.progress import ProgressMonitor
+from push_control.behaviors.retreat import Retreat
+from push_control.behaviors.single_push import PromptPlan, SinglePush
+from push_control.goal import TaskGoal
+from push_control.perception.raw_perception import RawPerception
+from push_control.task.behavior_factory import BehaviorFactory
+from push_control.task.state_machine import SINGLE_PUSH_TABLE
+from push_control.task.status import TaskState
+from push_model.trajectory import PushTrajectory
+
+
+class SinglePushBehaviors(BehaviorFactory):
+    """Makes the behaviours of a task with one steered push."""
+
+    table = SINGLE_PUSH_TABLE
+    keeps_plan = True
+
+    def new_perception(self, since: float) -> RawPerception:
+        """
+        Take measurements as they come: the controller of the push estimates by itself.
+
+        :param since: not used.
+        """
+        return RawPerception(self._control)
+
+    def create(self, state: TaskState, target: PushTrajectory | None, goal: TaskGoal | None,
+               perception: RawPerception, progress: ProgressMonitor) -> Behavior[Any]:
+        """
+        Make the behaviour of a state.
+
+        :param progress: not used.
+        """
+        context = self._context(self._obj)
+        if state is TaskState.PLAN and goal is not None:
+            return PromptPlan(context, goal)
+        if state is TaskState.PUSH and target is not None:
+            return SinglePush(context, target)
+        if state is TaskState.RETREAT:
+            return Retreat(context, self._drive.retreat_distance)
+        return Stand()

@@ -1,0 +1,139 @@
+"""Why a robot has to stand in a task that is under way."""
+
+import enum
+import math
+from typing import NamedTuple
+
+from push_control.goal import TaskFailure
+from push_control.perception.measurement_watch import MeasurementWatch
+from push_model.events import EventReport
+from push_safety.status import SafetyReport
+
+
+class StandCause(enum.Enum):
+    """What keeps a robot from moving; the first one of those that hold counts."""
+
+    # The base was stopped: somebody has to let it go on.
+    AWAITS_RESUME = 'awaits resume'
+    SAFETY_STOP = 'safety stop'
+    # Something that is required is missing, as the map.
+    HOLD = 'hold'
+    # Measurements do not come, or cannot be used.
+    MEASUREMENTS = 'measurements'
+
+
+# Time for which a cause may last until the task is given up [s], and the failure that it then is.
+# Chosen: a base that restarts is back by the first, and for measurements a user needs longer.
+STOP_TIME_LIMIT = 10.0
+MEASUREMENT_TIME_LIMIT = 60.0
+LIMITS = {
+    StandCause.SAFETY_STOP: (STOP_TIME_LIMIT, TaskFailure.ROBOT_STOPPED),
+    StandCause.MEASUREMENTS: (MEASUREMENT_TIME_LIMIT, TaskFailure.NO_MEASUREMENTS)}
+
+
+class StandReason(NamedTuple):
+    """
+    A reason to stand.
+
+    :param cause: its ``StandCause``.
+    :param sentence: the same in one sentence.
+    :param duration: for which it holds [s]; 0 where no limit applies.
+    """
+
+    cause: StandCause
+    sentence: str
+    duration: float = 0.0
+
+    @property
+    def failure(self) -> TaskFailure | None:
+        """``TaskFailure`` that it has become by lasting too long, or None."""
+        limit, failure = LIMITS.get(self.cause, (math.inf, None))
+        return failure if self.duration > limit else None
+
+
+class StandReasons:
+    """Collects the reasons to stand, in the order in which they count."""
+
+    def __init__(self) -> None:
+        """Start without any."""
+        self._stop: SafetyReport | None = None
+        self._stopped_since = 0.0
+        self._hold_sentence = ''
+        self._watch = MeasurementWatch()
+        self._fault: EventReport | None = None
+
+    def on_stop(self, stop: SafetyReport | None, time: float) -> bool:
+        """
+        Take note of whether the safety layer stops the robot.
+
+        :param stop: why, or None where the robot may move.
+        :param time: now [s].
+        :return: whether it was not stopped before.
+        """
+        is_new = stop is not None and self._stop is None
+        if is_new:
+            self._stopped_since = time
+        self._stop = stop
+        return is_new
+
+    @property
+    def is_stopped(self) -> bool:
+        """Whether the safety layer stops the robot."""
+        return self._stop is not None
+
+    def resume(self) -> None:
+        """Forget a stop after which somebody was awaited: here they are."""
+        if self._stop is not None and self._stop.reason.awaits_resume:
+            self._stop = None
+
+    def hold(self, sentence: str) -> None:
+        """
+        Stand for as long as something is missing.
+
+        :param sentence: what; empty where nothing is.
+        """
+        self._hold_sentence = sentence
+
+    def on_measurements(self, fault: EventReport | None, time: float) -> None:
+        """
+        Take note of whether the newest measurements can be used.
+
+        :param fault: why not, or None where they can.
+        :param time: now [s].
+        """
+        if self._stop is not None or self._hold_sentence:
+            self.forget_measurements()
+        else:
+            self._fault = self._watch.update(fault, time)
+
+    def forget_measurements(self) -> None:
+        """Forget faults of measurements: nothing depends on them now."""
+        self._watch = MeasurementWatch()
+        self._fault = None
+
+    def all(self, time: float) -> tuple[StandReason, ...]:
+        """
+        List all reasons, the one that counts first.
+
+        :param time: now [s].
+        """
+        reasons: list[StandReason] = []
+        if self._stop is not None and self._stop.reason.awaits_resume:
+            reasons.append(StandReason(StandCause.AWAITS_RESUME, str(self._stop)))
+        elif self._stop is not None:
+            duration = time - self._stopped_since
+            reasons.append(StandReason(StandCause.SAFETY_STOP, str(self._stop), duration))
+        if self._hold_sentence:
+            reasons.append(StandReason(StandCause.HOLD, self._hold_sentence))
+        if self._fault is not None:
+            duration = self._watch.waited(time)
+            reasons.append(StandReason(StandCause.MEASUREMENTS, str(self._fault), duration))
+        return tuple(reasons)
+
+    def first(self, time: float) -> StandReason | None:
+        """
+        Return the reason that counts, or None where the robot may move.
+
+        :param time: now [s].
+        """
+        return next(iter(self.all(time)), None)

@@ -1,0 +1,60 @@
+"""Retreat: straight off the object, as far as drive and map allow."""
+
+import math
+
+from helpers.objects import box
+import numpy as np
+from push_control.behaviors.behavior import BehaviorContext
+from push_control.behaviors.retreat import retreat_path
+from push_control.settings import ControlSettings
+from push_control.supervision_settings import SupervisionSettings
+from push_model.contact import find_contact
+from push_model.geometry import distance, Pose
+from push_model.parameters import RoundRobot
+from push_navigation.occupancy_map import OccupancyMap
+from push_navigation.path import sample_path
+from push_navigation.settings import DriveSettings
+import pytest
+
+DRIVE = DriveSettings()
+DISTANCE = DRIVE.retreat_distance
+ORIGIN = Pose(0.0, 0.0, 0.0)
+
+
+def context(drive, occupancy_map=None):
+    """Make what a behaviour acts upon."""
+    return BehaviorContext(box(), RoundRobot(radius=0.17, drive=drive), ControlSettings(), DRIVE,
+                           SupervisionSettings(), occupancy_map)
+
+
+@pytest.mark.parametrize('drive', ['differential', 'holonomic'])
+@pytest.mark.parametrize('heading', [-0.6, 0.0, 0.4])
+def test_the_retreat_leads_off_the_object(drive, heading):
+    """All along it the gap grows; the robot does not rotate."""
+    given = context(drive)
+    path = retreat_path(given, Pose(-0.37, 0.05, heading), ORIGIN, DISTANCE)
+    gaps = [find_contact(given.obj, ORIGIN, pose[:2], given.robot.radius).gap
+            for pose in sample_path(path, given.robot, 0.02)]
+    assert all(np.diff(gaps) > 0.0)
+    assert path.length == pytest.approx(DISTANCE)
+    assert path.poses[-1].theta == heading
+
+
+def test_there_is_no_retreat_along_the_object():
+    """A differential drive that faces along a face would stay beside it."""
+    along = Pose(-0.37, 0.0, 0.5 * math.pi)
+    assert retreat_path(context('differential'), along, ORIGIN, DISTANCE) is None
+
+
+@pytest.mark.parametrize('columns, ratio', [(0, 1.0), (26, 0.5), (28, None)])
+def test_a_wall_behind_the_robot_shortens_the_retreat(columns, ratio):
+    """To half of it, or to none."""
+    occupied = np.zeros((80, 80), dtype=bool)
+    occupied[:, :columns] = True
+    walled = context('differential', OccupancyMap(0.05, Pose(-2.0, -2.0, 0.0), occupied))
+    start = Pose(-0.37, 0.0, 0.0)
+    path = retreat_path(walled, start, ORIGIN, DISTANCE)
+    if ratio is None:
+        assert path is None
+    else:
+        assert distance(path.poses[-1], start) == pytest.approx(ratio * DISTANCE)
