@@ -99,9 +99,11 @@ def make_nodes(context: LaunchContext) -> list[Action]:
     common = {**options, 'parameters': [write_parameters(sections, launch_config.log_dir)]}
     task = switch('task', given['task'])
     poses = object_poses(given)
-    planner = {} if task is None else {'planner.site': 'sequence' if task else 'current'}
+    planner = {} if task is None else {'planner.mode': 'task' if task else 'push'}
     planner.update(switches(given, 'autostart'))
     controller = switches(given, 'autostart', 'task', 'wait_for_start', 'enable_stamped_cmd_vel')
+    if given['map']:
+        controller['map_required'] = True
     return [
         *simulator(given, common), *tracker(given, options, poses),
         push_node('planner', common, {**planner, **poses}),

@@ -16,7 +16,7 @@ DEFAULTS = {
     'rviz': ('true', 'start RViz, where it is installed'),
     'task': ('true', 'drive around the object and push as often as necessary; else push once from '
              'where the robot stands'),
-    'use_sim_time': ('false', 'let the simulator publish the clock, and the nodes follow it; else '
+    'use_sim_time': ('true', 'let the simulator publish the clock, and the nodes follow it; else '
                      'all take the time of the wall'),
     'clock': ('clock', 'topic of the clock: relative, so that every namespace has its own'),
     'map_frame': ('odom', 'frame in which the file of map has its origin'),

@@ -23,8 +23,8 @@ PERIOD = 1.0
 # Period of reports of one fault whose numbers differ each time [s], number of such faults that are
 # remembered, and characters of a report; chosen: what somebody can read.
 REPEAT_PERIOD = 1.0
-MOST_KINDS = 100
-LONGEST_TEXT = 1000
+MAX_KINDS = 100
+MAX_TEXT = 1000
 # Lines of a log that may come at once, and per second from then on [1/s]; chosen: several tasks in
 # a row, of which each begins and ends with a dozen lines in some twenty seconds.
 BURST = 40.0
@@ -36,7 +36,7 @@ HAS_MAP = 'has_map'
 FAILURE = 'failure'
 # Units of the values by the last part of their names; all others are counts, words or ratios.
 UNITS = {
-    **dict.fromkeys(('time', 'since', 'duration', 'single_push'), 's'),
+    **dict.fromkeys(('time', 'since', 'duration'), 's'),
     **dict.fromkeys(('position_error', 'remaining_distance', 'travelled_distance', 'path_length',
                      'friction_center', 'final_straight', 'displacement_bound',
                      'longest_blend'), 'm'),
@@ -123,6 +123,8 @@ class Reporter:
         self._now = now
         self._last: tuple[bytes, str] | None = None
         self._status: DiagnosticStatus | None = None
+        # Statuses besides that of the node, by name.
+        self._parts: dict[str, DiagnosticStatus] = {}
         # Kinds of faults that were reported lately, and when, in monotonic time [s].
         self._reported: dict[str, float] = {}
         # Errors have a throttle of their own: nothing else keeps them out.
@@ -141,12 +143,27 @@ class Reporter:
         :param always: whether it is published at once in any case.
         """
         text = shortened(text)
-        self._status = DiagnosticStatus(level=level, name=self._name, message=text)
-        self._status.values = [KeyValue(key=_key(name), value=value_text(value))
-                               for name, value in (values or {}).items()]
+        self._status = _make_status(level, self._name, text, values or {})
         is_news = (level, text) != self._last and not self._floods(level, text)
         if always or is_news:
             self._last = level, text
+            self.log(level, text)
+            self.publish()
+
+    def report_part(self, part: str, level: bytes, text: str, values: Mapping[str, Any], *,
+                    is_news: bool) -> None:
+        """
+        Report a status besides that of the node, which is repeated with it.
+
+        :param part: its name, behind that of the node.
+        :param level: ``OK``, ``WARN`` or ``ERROR``.
+        :param text: one sentence.
+        :param values: as of ``report``.
+        :param is_news: whether it is logged, and published at once.
+        """
+        text = shortened(text)
+        self._parts[part] = _make_status(level, f'{self._name}: {part}', text, values)
+        if is_news:
             self.log(level, text)
             self.publish()
 
@@ -157,7 +174,7 @@ class Reporter:
         kind, now = NUMBER.sub('#', text), time.monotonic()
         if now - self._reported.get(kind, -math.inf) < REPEAT_PERIOD:
             return True
-        if len(self._reported) >= MOST_KINDS:
+        if len(self._reported) >= MAX_KINDS:
             self._reported.clear()
         self._reported[kind] = now
         return False
@@ -165,7 +182,7 @@ class Reporter:
     def publish(self) -> None:
         """Publish the last status again, with the present time."""
         if self._status is not None:
-            message = DiagnosticArray(status=[self._status])
+            message = DiagnosticArray(status=[self._status, *self._parts.values()])
             message.header.stamp = self._now()
             self._publisher.publish(message)
 
@@ -208,15 +225,23 @@ class Reporter:
             self._logger.info(text)
 
 
+def _make_status(level: bytes, name: str, text: str, values: Mapping[str, Any]
+                 ) -> DiagnosticStatus:
+    status = DiagnosticStatus(level=level, name=name, message=text)
+    status.values = [KeyValue(key=_key(key), value=value_text(value))
+                     for key, value in values.items()]
+    return status
+
+
 def shortened(text: str) -> str:
     """
     Shorten a sentence that quotes what somebody has sent.
 
     :param text: of any length.
     """
-    if len(text) <= LONGEST_TEXT:
+    if len(text) <= MAX_TEXT:
         return text
-    half = LONGEST_TEXT // 2
+    half = MAX_TEXT // 2
     return f'{text[:half]} ... ({len(text)} characters) ... {text[-half:]}'
 
 

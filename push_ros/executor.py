@@ -71,6 +71,16 @@ class StartRefused(ValueError):
     """A node that cannot start, and has logged why."""
 
 
+class _Interrupt(KeyboardInterrupt):
+    """
+    What ends a callback after a signal.
+
+    A plain ``KeyboardInterrupt`` that passes through ``exec``, as libraries use it, is remembered
+    by Python although it is caught: a module that was started with -m would end by SIGINT. Python
+    compares the type for that, so that one of our own is not remembered.
+    """
+
+
 class BackgroundGroup(MutuallyExclusiveCallbackGroup):
     """
     Callbacks that can wait a little: services, plans, the clock.
@@ -215,10 +225,6 @@ def run(make_node: Callable[[], PolledNode], arguments: Sequence[str] | None = N
         stop.disarm()
         try_shutdown()
         stop.release()
-        # Where an interrupt has passed through source that was executed from a text, as libraries
-        # do, Python remembers it as not caught, until it executes the next one, and a module that
-        # was started with -m would end by SIGINT.
-        exec('')
 
 
 def _run(make_node: Callable[[], PolledNode], stop: '_StopSignal') -> int:
@@ -320,11 +326,13 @@ class _StopSignal:
     """
     Remembers that SIGINT or SIGTERM came.
 
-    While the node is made, which may take long, the signal interrupts that as well; later it
-    interrupts a callback that takes long, as that of a planner does: after a while, or at once
-    where somebody has no patience and sends another one. An interrupt that falls into
-    a callback of a C library, as the compiler has them, cannot be passed on through it: Python
-    reports and drops it. It is repeated shortly after.
+    A flag that ``spin`` reads would do, if every callback returned soon. Four things make more of
+    it, each with a test in test/ros/test_executor.py. Making a node may take minutes: there the
+    signal interrupts at once. A callback may plan for long: an alarm interrupts it after
+    ``ENDING_TIME``, and a second Ctrl-C at once, but not the second signal that launch and a
+    terminal send for one Ctrl-C. An interrupt within a callback of a C library, as the compiler
+    has them, is reported and dropped by Python: the hook hides that report and sets the alarm
+    again. At its end a node stops the robot, which nothing may interrupt: ``disarm`` comes before.
     """
 
     def __init__(self) -> None:
@@ -332,10 +340,10 @@ class _StopSignal:
         self._has_come = False
         self._came_at = 0.0
         self._is_armed = False
-        self._former_handlers = {number: signal.signal(number, self._remember)
-                                 for number in (signal.SIGINT, signal.SIGTERM)}
-        self._former_handlers[signal.SIGALRM] = signal.signal(signal.SIGALRM, self._interrupt)
-        self._former_hook, sys.unraisablehook = sys.unraisablehook, self._repeat
+        self._previous_handlers = {number: signal.signal(number, self._remember)
+                                   for number in (signal.SIGINT, signal.SIGTERM)}
+        self._previous_handlers[signal.SIGALRM] = signal.signal(signal.SIGALRM, self._interrupt)
+        self._previous_hook, sys.unraisablehook = sys.unraisablehook, self._repeat
 
     def _remember(self, number: int, frame: FrameType | None) -> None:
         now = time.monotonic()
@@ -347,15 +355,15 @@ class _StopSignal:
         self._has_come = True
         if self.is_starting:
             self.is_starting = False
-            raise KeyboardInterrupt
+            raise _Interrupt
 
     def _interrupt(self, number: int, frame: FrameType | None) -> None:
         if self._is_armed:
-            raise KeyboardInterrupt
+            raise _Interrupt
 
     def _repeat(self, dropped: Any) -> None:
         if not issubclass(dropped.exc_type, KeyboardInterrupt):
-            self._former_hook(dropped)
+            self._previous_hook(dropped)
         elif self._is_armed:
             signal.setitimer(signal.ITIMER_REAL, REPEAT_TIME)
 
@@ -373,7 +381,7 @@ class _StopSignal:
         return self._has_come
 
     def release(self) -> None:
-        """Put the former handlers back."""
-        for number, handler in self._former_handlers.items():
+        """Put the previous handlers back."""
+        for number, handler in self._previous_handlers.items():
             signal.signal(number, handler)
-        sys.unraisablehook = self._former_hook
+        sys.unraisablehook = self._previous_hook

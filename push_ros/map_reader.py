@@ -19,8 +19,8 @@ from push_ros.conversions.primitives import check_frame, MessageRefused, seconds
 # Cells up to which a map is read at once; chosen: that takes some 10 ms.
 LARGE_MAP = 500_000
 # Shift of a map that is overlooked [m], [rad]; chosen: as the drift of frames.
-SMALLEST_SHIFT = 2e-3
-SMALLEST_TURN = 2e-3
+MIN_SHIFT = 2e-3
+MIN_TURN = 2e-3
 
 
 class MapChange(enum.Enum):
@@ -63,7 +63,6 @@ class MapReader:
         Wait for a map.
 
         :param frame: id of the world frame.
-        :param settings: ``MapSettings``.
         """
         self._frame = frame
         self._settings = settings
@@ -168,8 +167,8 @@ class MapReader:
         except MessageRefused as error:
             return error
         former = held.occupancy_map.origin
-        if (distance(origin, former) < SMALLEST_SHIFT
-                and abs(wrap_angle(origin.theta - former.theta)) < SMALLEST_TURN):
+        if (distance(origin, former) < MIN_SHIFT
+                and abs(wrap_angle(origin.theta - former.theta)) < MIN_TURN):
             return ReadMap(held.occupancy_map, message, MapChange.NONE)
         return ReadMap(held.occupancy_map.moved(origin @ former.inverse()), message,
                        MapChange.MOVED)

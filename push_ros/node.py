@@ -13,13 +13,15 @@ from push_ros.executor import (
     BackgroundGroup, PolledNode, StartRefused, take_message, without_place,
 )
 from push_ros.parameters import ParameterHooks, ParameterSet, Section
+from push_ros.publisher_names import publisher_name
 from push_ros.topics import SERVICES, TOPICS
-from rcl_interfaces.msg import Log
+from rcl_interfaces.msg import Log, SetParametersResult
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.clock import Clock
 from rclpy.clock_type import ClockType
 from rclpy.duration import Duration
 from rclpy.event_handler import SubscriptionEventCallbacks
+from rclpy.parameter import Parameter
 from rclpy.publisher import Publisher
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
@@ -100,7 +102,8 @@ class PushNode(PolledNode):
 
     Callbacks belong to the group ``background`` unless they are made with ``real_time=True``.
 
-    ``parameters``: the ``ParameterSet``.
+    ``parameters``: the ``ParameterSet``. ``topic_subscriptions``: what ``subscribe`` and
+    ``subscribe_newest`` have made, with the name of each topic in the list.
     """
 
     def __init__(self, name: str, sections: Sequence[Section],
@@ -115,7 +118,7 @@ class PushNode(PolledNode):
             too.
         """
         self._publishers_by_topic: dict[str, Publisher] = {}
-        self._own_subscriptions: list[Subscription] = []
+        self.topic_subscriptions: list[tuple[str, Subscription]] = []
         self.real_time_subscriptions: list[Subscription] = []
         self.background = BackgroundGroup()
         self.real_time = MutuallyExclusiveCallbackGroup()
@@ -132,6 +135,18 @@ class PushNode(PolledNode):
     def settings(self) -> list[Any]:
         """Instances of the dataclasses of the parameters, in the order of the sections."""
         return self.parameters.settings
+
+    def set_parameters_atomically(self, parameter_list: list[Parameter]) -> SetParametersResult:
+        """
+        Set parameters, all or none, as its services do.
+
+        :param parameter_list: rclpy ``Parameter`` objects.
+        :return: ``SetParametersResult``, with a reason that says what to do instead.
+        """
+        fault = self.parameters.read_only_fault(parameter.name for parameter in parameter_list)
+        if fault:
+            return SetParametersResult(successful=False, reason=fault)
+        return super().set_parameters_atomically(parameter_list)
 
     def now(self) -> Time:
         """Return the present time of the node."""
@@ -226,7 +241,7 @@ class PushNode(PolledNode):
         subscription = self.create_subscription(
             kind, topic, callback, entry.subscribe_qos, callback_group=group,
             event_callbacks=NO_EVENTS if is_best_effort else None, raw=read is not None)
-        self._own_subscriptions.append(subscription)
+        self.topic_subscriptions.append((topic, subscription))
         if real_time:
             self.real_time_subscriptions.append(subscription)
         return subscription
@@ -262,14 +277,13 @@ class PushNode(PolledNode):
 
         :param topic: its name.
         :param with_covariance: whether poses have a covariance.
-        :return: ``NewestMessage``.
         """
         group = BackgroundGroup()
         group.is_open = False
         subscription = self.create_subscription(
             TOPICS[topic].message_type(with_covariance=with_covariance), topic, _ignore,
             qos.NEWEST, callback_group=group)
-        self._own_subscriptions.append(subscription)
+        self.topic_subscriptions.append((topic, subscription))
         return NewestMessage(subscription)
 
     def publishers_of(self, topic: str) -> list[str]:
@@ -279,15 +293,14 @@ class PushNode(PolledNode):
         :param topic: its name.
         :return: full names in alphabetical order; one for each publisher.
         """
-        return sorted(f'{info.node_namespace.rstrip("/")}/{info.node_name}'
-                      for info in self.get_publishers_info_by_topic(topic))
+        return sorted(publisher_name(info) for info in self.get_publishers_info_by_topic(topic))
 
     def unsubscribe_all(self) -> None:
         """End all subscriptions that ``subscribe`` made."""
         self.real_time_subscriptions = []
-        for subscription in self._own_subscriptions:
+        for _, subscription in self.topic_subscriptions:
             self.destroy_subscription(subscription)
-        self._own_subscriptions = []
+        self.topic_subscriptions = []
 
     def poll(self) -> bool:
         """Handle a message of each real-time topic that has one; tell whether there was any."""

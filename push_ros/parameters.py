@@ -1,7 +1,7 @@
 """Parameter dataclasses as ROS parameters of a node, with descriptions and ranges."""
 
 import math
-from typing import Any, Callable, get_args, Mapping, NamedTuple, Sequence
+from typing import Any, Callable, get_args, Iterable, Mapping, NamedTuple, Sequence
 
 from push_model.files.flat_values import (
     from_parameter_values, parameter_specs, ParameterSpec, to_parameter_values,
@@ -19,7 +19,7 @@ Section = tuple[str, type[Any]]
 RCLPY_NAMES = ('use_sim_time', 'start_type_description_service')
 RCLPY_PREFIX = 'qos_overrides.'
 # That of int64, the type of ROS integers.
-LARGEST_INTEGER = 2 ** 63 - 1
+MAX_INTEGER = 2 ** 63 - 1
 # When parameters may be set, as descriptors say it.
 DYNAMIC = 'may be set at any time, and is used from the next movement or plan on'
 IDLE = 'may be set while the node is idle'
@@ -73,13 +73,14 @@ class ParameterSet:
         self._node = node
         self._sections = sections
         self._hooks = hooks
+        self._settable = settable or {}
         specs = [spec for prefix, cls in sections for spec in parameter_specs(cls, prefix)]
         self._specs = {spec.name: spec for spec in specs}
         given = self._given_values()
         self.settings = [from_parameter_values(cls, given, prefix) for prefix, cls in sections]
         for spec in specs:
             _declare(node, spec, given.get(spec.name, spec.default),
-                     (settable or {}).get(spec.name, READ_ONLY))
+                     self._settable.get(spec.name, READ_ONLY))
         node.add_pre_set_parameters_callback(self._prepare)
         node.add_on_set_parameters_callback(self._check)
         node.add_post_set_parameters_callback(self._use)
@@ -114,6 +115,16 @@ class ParameterSet:
             [_parameter(self._specs[name], value) for name, value in values.items()])
         if not result.successful:
             raise ValueError(result.reason)
+
+    def read_only_fault(self, names: Iterable[str]) -> str:
+        """
+        Find out why parameters can never be set while the node runs.
+
+        :param names: of parameters that are being set.
+        :return: one sentence that names those that cannot; empty where all can.
+        """
+        fixed = [name for name in names if name in self._specs and name not in self._settable]
+        return f'{", ".join(fixed)}: {READ_ONLY}' if fixed else ''
 
     def section_values(self, prefix: str, instance: Any) -> dict[str, Any]:
         """
@@ -164,11 +175,21 @@ class ParameterSet:
         return [from_parameter_values(cls, values, prefix) for prefix, cls in self._sections]
 
 
+def dynamic_parameters(sections: Sequence[Section], *prefixes: str) -> list[str]:
+    """
+    List the parameters of some sections that take effect while the node runs.
+
+    :param sections: (prefix with its dot, dataclass) sequence.
+    :param prefixes: of the sections.
+    """
+    return [spec.name for prefix, cls in sections if prefix in prefixes
+            for spec in parameter_specs(cls, prefix) if spec.metadata['is_dynamic']]
+
+
 def descriptor(spec: ParameterSpec, settable: str = READ_ONLY) -> ParameterDescriptor:
     """
     Make the ROS descriptor of a parameter.
 
-    :param spec: the ``ParameterSpec``.
     :param settable: when it may be set: ``DYNAMIC``, ``IDLE`` or ``READ_ONLY``.
     """
     unit = f" [{spec.metadata['unit']}]" if spec.metadata['unit'] else ''
@@ -183,8 +204,8 @@ def descriptor(spec: ParameterSpec, settable: str = READ_ONLY) -> ParameterDescr
     if spec.kind is float:
         result.floating_point_range = [FloatingPointRange(from_value=low, to_value=high)]
     if spec.kind is int:
-        low = int(low) if math.isfinite(low) else -LARGEST_INTEGER
-        high = int(high) if math.isfinite(high) else LARGEST_INTEGER
+        low = int(low) if math.isfinite(low) else -MAX_INTEGER
+        high = int(high) if math.isfinite(high) else MAX_INTEGER
         result.integer_range = [IntegerRange(from_value=low, to_value=high)]
     return result
 

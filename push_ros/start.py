@@ -19,8 +19,9 @@ NODES = {'controller': ('push_control.controller_node', 'ControllerNode'),
          'tf_tracker': ('push_tracker.tracker_node', 'TrackerNode')}
 # A node with options of its own, which its function main reads.
 VIEW = 'push_view.view_node'
-TOOLS = {'identify': 'push_scenario.recordings.cli', 'play': 'push_view.cli',
-         'replay': 'push_scenario.cli', 'study': 'push_study.cli'}
+TOOLS = {'calibrate': 'push_scenario.calibration.cli',
+         'identify': 'push_scenario.recordings.cli', 'play': 'push_view.cli',
+         'replay': 'push_scenario.cli'}
 # Exit statuses of a shell for a tool that Ctrl-C ends, and for one whose reader has gone.
 INTERRUPTED = 130
 BROKEN_PIPE = 141
@@ -52,6 +53,11 @@ def view() -> int:
     return import_node_module(VIEW).main()
 
 
+def calibrate() -> int:
+    """Calibrate a base; return the exit status."""
+    return start_tool('calibrate')
+
+
 def identify() -> int:
     """Identify friction from recorded pushes; return the exit status."""
     return start_tool('identify')
@@ -65,11 +71,6 @@ def play() -> int:
 def replay() -> int:
     """Replay a scenario; return the exit status."""
     return start_tool('replay')
-
-
-def study() -> int:
-    """Compute and draw studies; return the exit status."""
-    return start_tool('study')
 
 
 def start(name: str, arguments: list[str] | None = None) -> int:

@@ -11,7 +11,7 @@ from push_ros import qos
 from rclpy.qos import QoSProfile
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Trigger
-from trajectory_msgs.msg import JointTrajectory, MultiDOFJointTrajectory
+from trajectory_msgs.msg import JointTrajectory
 from visualization_msgs.msg import MarkerArray
 
 PLANNER = 'push_planner'
@@ -22,7 +22,7 @@ TRACKER = 'push_tracker'
 
 # Longest message whose parts are read one by one [bytes]; chosen: a plan of 40 m with the default
 # spacing of samples, which is read in 0.3 s.
-LARGEST_LIST = 1_000_000
+MAX_LIST = 1_000_000
 
 
 class Topic(NamedTuple):
@@ -89,71 +89,56 @@ def interface_name(kind: type) -> str:
 
 TOPICS = {
     'odom': Topic(Odometry, (SIM,), (PLANNER, CONTROLLER), qos.MEASUREMENT, qos.SENSOR,
-                  'robot pose in the world frame with its covariance where that is stated, '
-                  'velocity in its own axes'),
+                  'robot pose in the world frame, velocity in robot axes'),
     'object_pose': Topic(PoseStamped, (SIM, TRACKER), (PLANNER, CONTROLLER), qos.MEASUREMENT,
                          qos.SENSOR,
-                         'measured object pose in the world frame, or in one with a transform to '
-                         'it; PoseWithCovarianceStamped where object_pose_with_covariance is '
-                         'true'),
+                         'measured object pose; PoseWithCovarianceStamped with '
+                         'object_pose_with_covariance'),
     'goal_pose': Topic(PoseStamped, (), (CONTROLLER,), qos.EVENT, qos.EVENT,
                        "goal pose of the object; RViz's 2D Goal Pose"),
     'map': Topic(OccupancyGrid, (), (PLANNER, CONTROLLER), qos.LATCHED, qos.LATCHED,
-                 'free floor for object and robot in a task; map.* says which cells are '
-                 'obstacles, everything outside is one; latched'),
+                 'free floor of a task; everything outside is an obstacle'),
     'push_request': Topic(
         JointTrajectory, (CONTROLLER,), (PLANNER,), qos.LATCHED, qos.LATCHED,
-        'request for a plan, one point whose joint names say what each number is: x, y '
-        'and heading of object, robot and goal (object.x to goal.heading), the parameters of the '
-        'object as they are called in ROS, with friction as identified (object.mass, '
-        'object.outline.0 and so on), the fraction of the friction cone that the plan should use '
-        '(cone_fraction), the tolerances of the goal (position_tolerance, heading_tolerance), and '
-        "standard deviations of what is known: robot_deviation of the robot's place, "
-        'center_deviation of the centre of friction, contact_friction_deviation, and '
-        'odometry_slope and odometry_drift, by which the first grows per distance; latched',
-        largest_size=LARGEST_LIST),
+        'request for a plan, as push_ros/conversions/plan_request.py writes it',
+        largest_size=MAX_LIST),
     'push_plan': Topic(
-        MultiDOFJointTrajectory, (PLANNER,), (CONTROLLER,), qos.LATCHED, qos.LATCHED,
-        'plan: joints object, contact and robot over time; the second is called free_contact '
-        'where the push is not steered, so that the contact may roll and slide; the answer to a '
-        'request has its stamp; where there is no plan it has no points, and the code of the '
-        'reason for its only joint name; at most 1 MB; latched', largest_size=LARGEST_LIST),
+        JointTrajectory, (PLANNER,), (CONTROLLER,), qos.LATCHED, qos.LATCHED,
+        'plan of one push, or why there is none; at most 1 MB', largest_size=MAX_LIST),
     'planned_path': Topic(Path, (PLANNER,), (), qos.LATCHED, qos.LATCHED,
-                          'path of the object in the plan, through all pushes of a sequence, '
-                          'for viewers; latched'),
+                          'planned path of the object, in a map through all remaining pushes'),
     'cmd_vel': Topic(TwistStamped, (CONTROLLER,), (SIM,), qos.COMMAND, qos.LATEST_COMMAND,
-                     'velocity command in the axes of the robot, while the controller drives it: '
-                     'then some zeros, then nothing; in lockstep one for each measurement, with '
-                     'its stamp; Twist where enable_stamped_cmd_vel is false'),
+                     'velocity in robot axes; Twist without enable_stamped_cmd_vel'),
     'contact_wrench': Topic(WrenchStamped, (SIM,), (), qos.MEASUREMENT, qos.SENSOR,
                             'true force of the robot on the object, axes of the object frame'),
     'clock': Topic(Clock, (SIM,), (), qos.CLOCK, qos.CLOCK,
-                   'simulated time, where the simulator owns it; on /clock in every namespace',
+                   'simulated time, on /clock',
                    is_global=True),
     'initialpose': Topic(PoseWithCovarianceStamped, (), (SIM,), qos.EVENT, qos.EVENT,
-                         "puts the object there and starts over; RViz's 2D Pose Estimate"),
+                         "object pose to start over from; RViz's 2D Pose Estimate"),
     'markers': Topic(MarkerArray, (CONTROLLER, SIM), (), qos.EVENT, qos.EVENT,
-                     'object, robot, supports, contact, friction cone, plan, for RViz, Foxglove'),
+                     'object, robot, contact, friction cone, plan'),
     'plan_markers': Topic(MarkerArray, (CONTROLLER,), (), qos.LATCHED, qos.LATCHED,
-                          'the plan, and a ghost of the object at its goal; latched, so that a '
-                          'display that is started later draws them too'),
+                          'the plan, and the object at its goal'),
     'footprint': Topic(PolygonStamped, (CONTROLLER,), (), qos.EVENT, qos.EVENT,
-                       'outline of all that moves with the robot, in its frame: of the robot, and '
-                       'while it pushes of the object too, for collision monitors'),
+                       'outline of the robot, and of an object that it pushes'),
     'diagnostics': Topic(DiagnosticArray, (PLANNER, CONTROLLER, SIM, TRACKER), (), qos.STATUS,
                          qos.STATUS,
-                         'what each node does, and why not; on /diagnostics in every namespace',
+                         'state of each node, and why it stops, on /diagnostics',
                          is_global=True),
 }
 
 SERVICES = {
     'planner/replan': Service(Trigger, PLANNER,
-                              'plan again to the last goal, from the present motion'),
+                              'plan again to the last goal, from the present motion; followed '
+                              'with accept_unrequested_plans'),
     'controller/start': Service(Trigger, CONTROLLER,
-                                'follow the plan, or start the task, from now on'),
-    'controller/stop': Service(Trigger, CONTROLLER, 'stop the robot, until controller/start'),
+                                'lift a stop; follow the plan, or start the task'),
+    'controller/stop': Service(Trigger, CONTROLLER, 'stop the robot, and refuse goals until '
+                               'controller/start'),
     'controller/pause': Service(Trigger, CONTROLLER, 'in a task: stand until controller/resume'),
-    'controller/resume': Service(Trigger, CONTROLLER, 'go on with the task'),
+    'controller/resume': Service(Trigger, CONTROLLER,
+                                 'continue the task, or after a stop of the base'),
     'sim/start': Service(Trigger, SIM, 'let simulated time run'),
-    'sim/reset': Service(Trigger, SIM, 'put everything back to the start and hold time there'),
+    'sim/reset': Service(Trigger, SIM, 'return to the start and hold time'),
 }

@@ -61,11 +61,7 @@ class ObjectTracker:
     """Turns sightings of tags into object poses."""
 
     def __init__(self, settings: TrackerSettings) -> None:
-        """
-        Start without a pose.
-
-        :param settings: ``TrackerSettings``.
-        """
+        """Start without a pose."""
         self._settings = settings
         self._tags = {tag.frame: tag for tag in settings.tags}
         self._last: ObjectPose | None = None
@@ -83,7 +79,6 @@ class ObjectTracker:
 
         :param time: of the image [s], later than the last one.
         :param sightings: ``TagSighting`` of each tag that was seen.
-        :return: ``TrackerUpdate``.
         """
         candidates = [self._candidate(sighting) for sighting in sightings
                       if self._tilt(sighting) <= self._settings.max_tilt]

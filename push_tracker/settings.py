@@ -2,7 +2,7 @@
 
 import dataclasses
 
-from push_model.quantity import check, LEAST_NOISE, quantity
+from push_model.quantity import check, MIN_NOISE, quantity
 from push_model.rigid_transform import RigidTransform
 
 
@@ -10,20 +10,16 @@ from push_model.rigid_transform import RigidTransform
 class MountedTag:
     """A tag, marker or rigid body of motion capture, and its pose in the frame of the object."""
 
-    frame: str = quantity('frame of the tag in tf')
-    x: float = quantity('centre of the tag in the frame of the object, x', 'm', -10.0, 10.0,
-                        default=0.0)
-    y: float = quantity('centre of the tag in the frame of the object, y', 'm', -10.0, 10.0,
-                        default=0.0)
-    z: float = quantity('centre of the tag in the frame of the object, z', 'm', -10.0, 10.0,
-                        default=0.0)
-    roll: float = quantity('rotation of the tag about the x axis of the object, before pitch and '
-                           'yaw; a tag that lies flat on top has none of the three', 'rad', -7.0,
-                           7.0, default=0.0)
-    pitch: float = quantity('rotation of the tag about the y axis of the object, after roll',
-                            'rad', -7.0, 7.0, default=0.0)
-    yaw: float = quantity('rotation of the tag about the z axis of the object, after roll and '
-                          'pitch', 'rad', -7.0, 7.0, default=0.0)
+    frame: str = quantity('tf frame of the tag')
+    x: float = quantity('centre of the tag in the object frame, x', 'm', -10.0, 10.0, default=0.0)
+    y: float = quantity('centre of the tag in the object frame, y', 'm', -10.0, 10.0, default=0.0)
+    z: float = quantity('centre of the tag in the object frame, z', 'm', -10.0, 10.0, default=0.0)
+    roll: float = quantity('rotation about the x axis of the object, first', 'rad', -7.0, 7.0,
+                           default=0.0)
+    pitch: float = quantity('rotation about the y axis of the object, second', 'rad', -7.0, 7.0,
+                            default=0.0)
+    yaw: float = quantity('rotation about the z axis of the object, third', 'rad', -7.0, 7.0,
+                          default=0.0)
 
     def __post_init__(self) -> None:
         """Validate the fields."""
@@ -45,24 +41,20 @@ class TrackerSettings:
     """What the tracker reckons with; the defaults suit tags of 0.1 m before a good camera."""
 
     tags: tuple[MountedTag, ...] = quantity('the tags of the object')
-    position_noise: float = quantity('standard deviation of the measured place of one tag', 'm',
-                                     LEAST_NOISE, 0.5, default=0.002)
-    distance_noise: float = quantity(
-        'standard deviation of the measured place of one tag per distance from the camera, '
-        'besides position_noise; 0 for motion capture', '', 0.0, 0.5,
-        default=0.004)
-    heading_noise: float = quantity('standard deviation of the measured yaw of one tag', 'rad',
-                                    LEAST_NOISE, 1.0, default=0.02)
-    max_tilt: float = quantity('tilt of an object from which on a tag is misread', 'rad',
-                               above=0.0, high=1.6, default=0.26)
-    max_speed: float = quantity('greatest speed of the object; what is faster is an outlier',
-                                'm/s', above=0.0, high=10.0, default=0.5)
-    max_yaw_rate: float = quantity('greatest yaw rate of the object; what is faster is an '
-                                   'outlier', 'rad/s', above=0.0, high=20.0, default=2.0)
-    gate_sigmas: float = quantity('standard deviations beyond which a pose is an outlier', '',
-                                  above=0.0, high=100.0, default=4.0)
-    confirmations: int = quantity('outliers in a row, in agreement with each other, after which '
-                                  'the object has been moved', '', 1, 1000, default=5)
+    position_noise: float = quantity('position std of one tag', 'm', MIN_NOISE, 0.5, default=0.002)
+    distance_noise: float = quantity('position std per distance from the camera; 0: motion '
+                                     'capture', '', 0.0, 0.5, default=0.004)
+    heading_noise: float = quantity('yaw std of one tag', 'rad', MIN_NOISE, 1.0, default=0.02)
+    max_tilt: float = quantity('tilt above which a tag counts as misread', 'rad', above=0.0,
+                               high=1.6, default=0.26)
+    max_speed: float = quantity('faster poses are outliers', 'm/s', above=0.0, high=10.0,
+                                default=0.5)
+    max_yaw_rate: float = quantity('faster rotations are outliers', 'rad/s', above=0.0, high=20.0,
+                                   default=2.0)
+    gate_sigmas: float = quantity('deviation above which a pose is an outlier', '', above=0.0,
+                                  high=100.0, default=4.0)
+    confirmations: int = quantity('consistent outliers in a row that are believed', '', 1, 1000,
+                                  default=5)
 
     def __post_init__(self) -> None:
         """Validate the fields."""

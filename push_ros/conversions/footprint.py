@@ -15,7 +15,6 @@ def robot_footprint(robot: RoundRobot) -> list[tuple[float, float]]:
     """
     Outline a robot.
 
-    :param robot: the ``RoundRobot``.
     :return: vertices in the frame of the robot, counter-clockwise, around its disc [m].
     """
     return convex_hull(_circle(robot.radius))
@@ -26,8 +25,6 @@ def pushing_footprint(robot: RoundRobot, obj: PushedObject, robot_pose: Pose,
     """
     Outline a robot with the object that it pushes.
 
-    :param robot: the ``RoundRobot``.
-    :param obj: the ``PushedObject``.
     :param robot_pose: ``Pose`` of the robot in the world.
     :param object_pose: ``Pose`` of the object in the world.
     :return: vertices in the frame of the robot, counter-clockwise, around both [m].

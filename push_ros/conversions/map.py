@@ -7,7 +7,7 @@ from nav_msgs.msg import OccupancyGrid
 import numpy as np
 from push_model.geometry import Pose
 from push_navigation.occupancy_map import (
-    LARGEST_RESOLUTION, LEAST_RESOLUTION, OccupancyMap, RESOLUTION_RANGE,
+    MAX_RESOLUTION, MIN_RESOLUTION, OccupancyMap, RESOLUTION_RANGE,
 )
 from push_navigation.settings import MapSettings
 from push_ros.conversions.primitives import (
@@ -24,7 +24,6 @@ def to_map_message(occupancy_map: OccupancyMap, stamp: Time, frame: str) -> Occu
     """
     Convert a map to a message.
 
-    :param occupancy_map: the ``OccupancyMap``.
     :param stamp: of the map.
     :param frame: id of the world frame.
     """
@@ -48,12 +47,11 @@ def from_map_message(message: OccupancyGrid, frame: str, topic: str = 'map', *,
     :param frame: id of the world frame.
     :param topic: what errors call the message.
     :param settings: ``MapSettings``, or None for the defaults.
-    :return: ``OccupancyMap``.
     :raises MessageRefused: naming what is wrong with it.
     """
     check_frame(message.header.frame_id, frame, topic)
     info, cells = message.info, np.asarray(message.data)
-    if not LEAST_RESOLUTION <= info.resolution <= LARGEST_RESOLUTION:
+    if not MIN_RESOLUTION <= info.resolution <= MAX_RESOLUTION:
         raise MessageRefused(f'{topic}: got the resolution {info.resolution:g}, expected '
                              f'{RESOLUTION_RANGE}')
     if not len(cells) or len(cells) != info.width * info.height:

@@ -77,13 +77,9 @@ def scene_markers(header: MarkerHeader, obj: PushedObject, robot: RoundRobot,
     """
     Draw object, supports, robot and their contact.
 
-    :param header: ``MarkerHeader``.
-    :param obj: the ``PushedObject``.
-    :param robot: the ``RoundRobot``.
     :param object_pose: ``Pose`` of the object.
     :param robot_pose: ``Pose`` of the robot.
     :param color: of the object, (r, g, b).
-    :return: ``MarkerArray``.
     """
     outline = _marker(header, 'object', Marker.LINE_STRIP, object_pose, color)
     _set_scale(outline, LINE_WIDTH)
@@ -98,14 +94,7 @@ def scene_markers(header: MarkerHeader, obj: PushedObject, robot: RoundRobot,
 
 def estimate_markers(header: MarkerHeader, obj: PushedObject,
                      estimate: ObjectEstimate) -> MarkerArray:
-    """
-    Draw what is estimated of an object: its body, an ellipse about its place, its friction centre.
-
-    :param header: ``MarkerHeader``.
-    :param obj: the ``PushedObject``.
-    :param estimate: ``ObjectEstimate``.
-    :return: ``MarkerArray``.
-    """
+    """Draw what is estimated of an object: body, ellipse of its position, friction centre."""
     markers = [_body(header, obj, estimate.pose, BELIEVED, OBJECT_ALPHA)]
     if estimate.covariance is not None:
         markers.append(_ellipse(header, estimate.pose, estimate.covariance))
@@ -120,10 +109,7 @@ def goal_markers(header: MarkerHeader, obj: PushedObject, pose: Coordinates) -> 
     """
     Draw the ghost of an object at its goal; it stays until it is replaced.
 
-    :param header: ``MarkerHeader``.
-    :param obj: the ``PushedObject``.
     :param pose: goal ``Pose``.
-    :return: ``MarkerArray``.
     """
     ghost = _body(header, obj, pose, GOAL, GHOST_ALPHA)
     ghost.lifetime = Duration()
@@ -131,25 +117,14 @@ def goal_markers(header: MarkerHeader, obj: PushedObject, pose: Coordinates) -> 
 
 
 def erased(header: MarkerHeader) -> MarkerArray:
-    """
-    Make the marker that removes all others of its topic.
-
-    :param header: ``MarkerHeader``.
-    :return: ``MarkerArray``.
-    """
+    """Make the marker that removes all others of its topic."""
     marker = _marker(header, 'all', Marker.CUBE, ORIGIN, INK)
     marker.action = Marker.DELETEALL
     return MarkerArray(markers=[marker])
 
 
 def plan_markers(header: MarkerHeader, trajectory: PushTrajectory) -> MarkerArray:
-    """
-    Draw the paths of object, contact and robot in a plan.
-
-    :param header: ``MarkerHeader``.
-    :param trajectory: ``PushTrajectory``.
-    :return: ``MarkerArray``.
-    """
+    """Draw the paths of object, contact and robot in a plan."""
     lines: list[Any] = []
     for name, poses, color in (('object', trajectory.object_poses, PLAN),
                                ('contact', trajectory.contact_poses, FORCE),
@@ -167,10 +142,8 @@ def text_markers(header: MarkerHeader, pose: Coordinates, text: str) -> MarkerAr
     """
     Write a text above a place.
 
-    :param header: ``MarkerHeader``.
     :param pose: ``Pose`` of the place.
     :param text: what is written.
-    :return: ``MarkerArray``.
     """
     marker = _marker(header, 'text', Marker.TEXT_VIEW_FACING, pose, INK)
     _set_scale(marker, 0.0, 0.0, TEXT_HEIGHT)

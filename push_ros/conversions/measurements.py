@@ -26,7 +26,6 @@ def to_odometry_message(odometry: Odometry, frame: str, child_frame: str) -> Odo
     """
     Convert odometry to a message.
 
-    :param odometry: ``Odometry``.
     :param frame: id of the world frame.
     :param child_frame: id of the robot's frame, in whose axes the twist is.
     """
@@ -61,7 +60,6 @@ def to_covariance(covariance: PoseCovariance) -> list[float]:
     """
     Write the covariance of a pose in the plane.
 
-    :param covariance: ``PoseCovariance``.
     :return: of (x, y, z, roll, pitch, yaw), by rows, 36 numbers; those out of the plane are 0.
     """
     values = [0.0] * 36
@@ -105,7 +103,6 @@ def to_object_pose_message(
     """
     Convert an object pose to a message.
 
-    :param object_pose: ``ObjectPose``.
     :param frame: id of the world frame.
     :param with_covariance: whether to make a ``PoseWithCovarianceStamped``, whose covariance is 0
         where none is stated; else a ``PoseStamped``.

@@ -1,103 +1,121 @@
-"""Plans to messages and back."""
+"""
+Plans to messages and back.
 
-from typing import Any, Iterable, Sequence
+A plan is a ``trajectory_msgs/JointTrajectory`` whose joint names say what each number is, as those
+of a plan request do. Each point has poses of object, contact and robot as positions, and their
+rates as velocities. The numbers of the push itself do not move: its style, and where it is
+straight its line. Where there is no plan the only number is the code of the failure.
+"""
+
+from typing import Any, Iterable
 
 from builtin_interfaces.msg import Duration, Time
-from geometry_msgs.msg import PoseStamped, Transform
+from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Path
 import numpy as np
 from push_model.geometry import Coordinates, FloatArray, Pose
 from push_model.plan_request import PlanFailure
-from push_model.trajectory import PushStyle, PushTrajectory
+from push_model.trajectory import PushLine, PushStyle, PushTrajectory
+from push_ros.conversions.joint_names import check_joint_names
 from push_ros.conversions.primitives import (
-    check_frame, from_twist_message, MessageRefused, seconds, to_pose_message, to_quaternion,
-    to_stamp, to_twist_message, to_yaw,
+    check_frame, MAX_POSITION, MAX_VELOCITY, MessageRefused, seconds, to_pose_message, to_stamp,
 )
-from trajectory_msgs.msg import MultiDOFJointTrajectory, MultiDOFJointTrajectoryPoint
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
-JOINTS = ('object', 'contact', 'robot')
-# Name of the second joint: a contact that is free may roll and slide along the object.
-CONTACT_JOINTS = {PushStyle.STEERED: 'contact', PushStyle.UNSTEERED: 'free_contact',
-                  PushStyle.WAYPOINT: 'free_contact_to_waypoint'}
+BODIES = ('object', 'contact', 'robot')
+# Numbers of the motion, in the order of the columns of a trajectory.
+MOTION = tuple(f'{body}.{part}' for body in BODIES for part in ('x', 'y', 'heading'))
+STYLE = 'style'
+LINE = ('start.x', 'start.y', 'start.heading', 'curvature', 'length', 'face')
+FAILURE = 'failure'
+STYLE_CODES = {PushStyle.STEERED: 0, PushStyle.STRAIGHT: 1, PushStyle.WAYPOINT: 2}
+FAILURE_CODES = {failure: code for code, failure in enumerate(PlanFailure, 1)}
 
 
-def to_plan_message(trajectory: PushTrajectory, stamp: Time,
-                    frame: str) -> MultiDOFJointTrajectory:
+def to_plan_message(trajectory: PushTrajectory, stamp: Time, frame: str) -> JointTrajectory:
     """
-    Convert a trajectory to a message: joints ``object``, ``contact`` and ``robot``.
+    Convert a trajectory to a message.
 
-    Where the push is unsteered the second joint is called ``free_contact``, or
-    ``free_contact_to_waypoint`` where it does not aim at the goal of the task.
-
-    :param trajectory: ``PushTrajectory``.
     :param stamp: of the newest measurement that the plan starts from, or of its request.
     :param frame: id of the world frame.
     """
-    message = MultiDOFJointTrajectory(joint_names=_joint_names(trajectory.style))
+    push = _push_values(trajectory)
+    poses, rates = (np.hstack([getattr(trajectory, f'{body}_{kind}') for body in BODIES])
+                    for kind in ('poses', 'twists'))
+    constants = list(push.values())
+    at_rest = [0.0] * len(push)
+    message = JointTrajectory(joint_names=[*push, *MOTION])
     message.header.stamp, message.header.frame_id = stamp, frame
-    poses = [getattr(trajectory, f'{joint}_poses').tolist() for joint in JOINTS]
-    twists = [getattr(trajectory, f'{joint}_twists').tolist() for joint in JOINTS]
     message.points = [
-        MultiDOFJointTrajectoryPoint(
-            transforms=[_to_transform(pose) for pose in poses_now],
-            velocities=[to_twist_message(twist) for twist in twists_now],
-            time_from_start=to_stamp(time, Duration))
-        for time, poses_now, twists_now in zip(trajectory.times.tolist(), zip(*poses),
-                                               zip(*twists))]
+        JointTrajectoryPoint(positions=constants + positions, velocities=at_rest + velocities,
+                             time_from_start=to_stamp(time, Duration))
+        for time, positions, velocities in zip(trajectory.times.tolist(), poses.tolist(),
+                                               rates.tolist())]
     return message
 
 
-def no_plan_message(code: PlanFailure, stamp: Time, frame: str) -> MultiDOFJointTrajectory:
+def no_plan_message(failure: PlanFailure, stamp: Time, frame: str) -> JointTrajectory:
     """
-    Make the answer to a request for which there is no plan: no points, and why.
+    Make the answer to a request for which there is no plan.
 
-    :param code: ``PlanFailure``; its name is the only joint name.
+    :param failure: why.
     :param stamp: of the request.
     :param frame: id of the world frame.
     """
-    message = MultiDOFJointTrajectory(joint_names=[code.name])
+    message = JointTrajectory(joint_names=[FAILURE])
     message.header.stamp, message.header.frame_id = stamp, frame
+    message.points = [JointTrajectoryPoint(positions=[float(FAILURE_CODES[failure])])]
     return message
 
 
-def plan_failure(message: MultiDOFJointTrajectory) -> PlanFailure | None:
+def plan_failure(message: JointTrajectory) -> PlanFailure | None:
     """
     Read why there is no plan.
 
-    :param message: ``trajectory_msgs/MultiDOFJointTrajectory``.
-    :return: ``PlanFailure``; None where the message is a plan.
+    :param message: ``trajectory_msgs/JointTrajectory``.
+    :return: ``PlanFailure``, ``INVALID_PLAN`` for a code that is unknown; None where the message
+        is a plan.
     """
-    if message.points:
-        return None
-    names = list(message.joint_names)
-    if len(names) == 1 and names[0] in PlanFailure.__members__:
-        return PlanFailure[names[0]]
+    points = list(message.points)
+    if FAILURE not in message.joint_names:
+        return None if points else PlanFailure.INVALID_PLAN
+    if len(points) == 1 and len(points[0].positions) == 1:
+        for failure, code in FAILURE_CODES.items():
+            if points[0].positions[0] == code:
+                return failure
     return PlanFailure.INVALID_PLAN
 
 
-def from_plan_message(message: MultiDOFJointTrajectory, frame: str,
+def from_plan_message(message: JointTrajectory, frame: str,
                       topic: str = 'push_plan') -> PushTrajectory:
     """
     Read a trajectory; angles are unwrapped from sample to sample.
 
-    :param message: ``trajectory_msgs/MultiDOFJointTrajectory``.
+    :param message: ``trajectory_msgs/JointTrajectory``.
     :param frame: id of the world frame.
     :param topic: what errors call the message.
-    :return: ``PushTrajectory``.
     :raises MessageRefused: naming what is wrong with it.
     """
     check_frame(message.header.frame_id, frame, topic)
-    style = _style_of(message, topic)
-    _check_points(message, topic)
+    names = list(message.joint_names)
+    check_joint_names(names, (STYLE, *MOTION), topic, optional=LINE)
+    positions = _numbers(message, 'positions', MAX_POSITION, topic)
+    velocities = _numbers(message, 'velocities', MAX_VELOCITY, topic)
+    style = _style(_constant(STYLE, names, positions, topic), topic)
+    check_joint_names(names, (STYLE, *(LINE if style.is_straight else ()), *MOTION), topic)
     arrays: dict[str, Any] = {
         'times': [seconds(point.time_from_start) for point in message.points]}
-    for joint, name in zip(JOINTS, _joint_names(style)):
-        index = list(message.joint_names).index(name)
-        arrays[f'{joint}_poses'] = _poses([p.transforms[index] for p in message.points], topic)
-        arrays[f'{joint}_twists'] = np.array(
-            [from_twist_message(p.velocities[index], topic) for p in message.points])
+    columns = [names.index(name) for name in MOTION]
+    for number, body in enumerate(BODIES):
+        selected = columns[3 * number:3 * number + 3]
+        poses = positions[:, selected]
+        poses[:, 2] = np.unwrap(poses[:, 2])
+        arrays[f'{body}_poses'], arrays[f'{body}_twists'] = poses, velocities[:, selected]
+    line = None
+    if style.is_straight:
+        line = _line([_constant(name, names, positions, topic) for name in LINE], topic)
     try:
-        return PushTrajectory(**arrays, style=style)
+        return PushTrajectory(**arrays, style=style, line=line)
     except ValueError as error:
         raise MessageRefused(f'{topic}: {error}') from error
 
@@ -117,40 +135,56 @@ def to_path_message(object_poses: Iterable[Coordinates], stamp: Time, frame: str
     return message
 
 
-def _joint_names(style: PushStyle) -> list[str]:
-    return [CONTACT_JOINTS[style] if joint == 'contact' else joint for joint in JOINTS]
+def _push_values(trajectory: PushTrajectory) -> dict[str, float]:
+    """List the numbers of the push itself by name."""
+    values = {STYLE: float(STYLE_CODES[trajectory.style])}
+    line = trajectory.line
+    if line is not None:
+        numbers = (*line.start, line.curvature, line.length, line.face)
+        values.update(zip(LINE, map(float, numbers)))
+    return values
 
 
-def _style_of(message: MultiDOFJointTrajectory, topic: str) -> PushStyle:
-    """Read the style from the name of the contact; refuse a message that lacks a joint."""
+def _numbers(message: JointTrajectory, field: str, largest: float, topic: str) -> FloatArray:
+    """Read the numbers of a field, shape (points, names)."""
     names = list(message.joint_names)
-    styles = [style for style in PushStyle if set(_joint_names(style)) <= set(names)]
-    if len(styles) != 1:
-        expected = ' or '.join(', '.join(_joint_names(style)) for style in PushStyle)
-        raise MessageRefused(f'{topic}: got joints {", ".join(names) or "none"}, expected '
-                             + expected)
-    return styles[0]
+    rows = [getattr(point, field) for point in message.points]
+    for index, row in enumerate(rows):
+        if len(row) != len(names):
+            raise MessageRefused(f'{topic}: got {len(row)} {field} in point {index}, expected '
+                                 f'{len(names)}, one for each joint name')
+    numbers = np.array(rows, dtype=np.float64).reshape(-1, len(names))
+    # False for what is not a number as well.
+    wrong = np.argwhere(~(np.abs(numbers) <= largest))
+    if wrong.size:
+        point, column = wrong[0].tolist()
+        raise MessageRefused(f'{topic}: {names[column]}: got {numbers[point, column]:g} in the '
+                             f'{field} of point {point}, expected a finite number of at most '
+                             f'{largest:g}')
+    return numbers
 
 
-def _check_points(message: MultiDOFJointTrajectory, topic: str) -> None:
-    """Refuse a message in which a point lacks a value of a joint."""
-    names = list(message.joint_names)
-    for number, point in enumerate(message.points):
-        for field in ('transforms', 'velocities'):
-            count = len(getattr(point, field))
-            if count != len(names):
-                raise MessageRefused(f'{topic}: got {count} {field} in point {number}, expected '
-                                     f'{len(names)}')
+def _constant(name: str, names: list[str], positions: FloatArray, topic: str) -> float:
+    """Read a number that is the same at all points."""
+    column = positions[:, names.index(name)]
+    if not column.size:
+        raise MessageRefused(f'{topic}: got no points, expected a plan')
+    if (column != column[0]).any():
+        raise MessageRefused(f'{topic}: {name}: got {column.min():g} to {column.max():g}, '
+                             'expected the same at all points')
+    return float(column[0])
 
 
-def _to_transform(pose: Coordinates) -> Transform:
-    transform = Transform(rotation=to_quaternion(pose[2]))
-    transform.translation.x, transform.translation.y = pose[0], pose[1]
-    return transform
+def _style(code: float, topic: str) -> PushStyle:
+    for style, number in STYLE_CODES.items():
+        if code == number:
+            return style
+    expected = ', '.join(f'{number} ({style.value})' for style, number in STYLE_CODES.items())
+    raise MessageRefused(f'{topic}: {STYLE}: got {code:g}, expected one of {expected}')
 
 
-def _poses(transforms: Sequence[Transform], topic: str) -> FloatArray:
-    poses = np.array([Pose(t.translation.x, t.translation.y, to_yaw(t.rotation, topic))
-                      for t in transforms]).reshape(-1, 3)
-    poses[:, 2] = np.unwrap(poses[:, 2])
-    return poses
+def _line(values: list[float], topic: str) -> PushLine:
+    x, y, heading, curvature, length, face = values
+    if not face.is_integer():
+        raise MessageRefused(f'{topic}: face: got {face:g}, expected a whole number from 0 on')
+    return PushLine(Pose(x, y, heading), curvature, length, int(face))

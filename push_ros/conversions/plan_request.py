@@ -14,14 +14,15 @@ from push_model.files.flat_values import (
 )
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject
-from push_model.plan_request import LARGEST_TOLERANCE, LEAST_TOLERANCE, PlanRequest
+from push_model.plan_request import MAX_TOLERANCE, MIN_TOLERANCE, PlanRequest
+from push_ros.conversions.joint_names import check_joint_names
 from push_ros.conversions.primitives import check_frame, MessageRefused, to_quaternion, to_yaw
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 POSES = ('object', 'robot', 'goal')
 # Largest number of a request, in its unit; chosen: as the largest position of other messages, far
 # below where products of such numbers overflow.
-LARGEST_NUMBER = 1e7
+MAX_NUMBER = 1e7
 # Prefix of the parameters of the object; numbers of a list follow, from 0 on: outline.0, ...
 PARAMETERS = 'object.'
 CONE_FRACTION = 'cone_fraction'
@@ -42,7 +43,6 @@ def to_request_message(request: PlanRequest, stamp: Any, frame: str) -> JointTra
     """
     Convert a plan request to a message.
 
-    :param request: the ``PlanRequest``.
     :param stamp: ``builtin_interfaces/Time`` of the measurement that it comes from.
     :param frame: id of the world frame.
     :return: ``trajectory_msgs/JointTrajectory``; see the module on its fields.
@@ -70,7 +70,6 @@ def from_request_message(message: JointTrajectory, frame: str,
     :param message: ``trajectory_msgs/JointTrajectory``.
     :param frame: id of the world frame.
     :param topic: what errors call the message.
-    :return: the ``PlanRequest``.
     :raises MessageRefused: naming the field, what came and what was expected.
     """
     check_frame(message.header.frame_id, frame, topic)
@@ -88,17 +87,17 @@ def _check_ranges(values: dict[str, float], topic: str) -> None:
     """Refuse numbers with which nobody can compute."""
     for name, value in values.items():
         # False for what is not a number as well.
-        if not abs(value) <= LARGEST_NUMBER:
+        if not abs(value) <= MAX_NUMBER:
             raise MessageRefused(f'{topic}: {name}: got {value:g}, expected a finite number of at '
-                                 f'most {LARGEST_NUMBER:g}')
+                                 f'most {MAX_NUMBER:g}')
     fraction = values[CONE_FRACTION]
     if not 0.0 < fraction <= 1.0:
         raise MessageRefused(f'{topic}: {CONE_FRACTION}: got {fraction:g}, expected a number '
                              'above 0, at most 1')
     for name in TOLERANCES:
-        if not LEAST_TOLERANCE <= values[name] <= LARGEST_TOLERANCE:
+        if not MIN_TOLERANCE <= values[name] <= MAX_TOLERANCE:
             raise MessageRefused(f'{topic}: {name}: got {values[name]:g}, expected a number from '
-                                 f'{LEAST_TOLERANCE:g} to {LARGEST_TOLERANCE:g}')
+                                 f'{MIN_TOLERANCE:g} to {MAX_TOLERANCE:g}')
     for name in DEVIATIONS:
         if values[name] < 0.0:
             raise MessageRefused(f'{topic}: {name}: got {values[name]:g}, expected a number of at '
@@ -145,17 +144,9 @@ def _list_name(field: str) -> str:
 def _values(message: JointTrajectory, topic: str) -> dict[str, float]:
     """Read the numbers of a message by name: each of ``FIELDS``, and of the lists, once."""
     names: Sequence[str] = list(message.joint_names)
-    unknown = sorted(name for name in names if name not in FIELDS and not _list_name(name))
-    if unknown:
-        raise MessageRefused(
-            f'{topic}: got the unknown fields {", ".join(unknown)}, expected '
-            + ', '.join((*FIELDS, *(f'{name}.0' for name in LISTS))))
-    missing = [name for name in FIELDS if name not in names]
-    if missing:
-        raise MessageRefused(f'{topic}: {", ".join(missing)}: got nothing, expected a number')
-    twice = sorted({name for name in names if names.count(name) > 1})
-    if twice:
-        raise MessageRefused(f'{topic}: {", ".join(twice)}: got more than one, expected one')
+    # Lists may be longer than the one number that errors name.
+    optional = {*(f'{name}.0' for name in LISTS), *filter(_list_name, names)}
+    check_joint_names(names, FIELDS, topic, sorted(optional))
     if len(message.points) != 1:
         raise MessageRefused(f'{topic}: got {len(message.points)} points, expected 1')
     positions = list(message.points)[0].positions

@@ -11,14 +11,14 @@ from push_model.signals import Twist
 NANOSECONDS = 1_000_000_000
 # Length below which a quaternion has no direction, as one that nobody has filled in; chosen: far
 # below any rounding of one of length 1.
-LEAST_QUATERNION = 1e-3
+MIN_QUATERNION = 1e-3
 # Angle between the z axes of a pose and of the world above which it is no pose in the plane [rad];
 # chosen: the rotation of a tag errs by less, and an object on another face is off by far more.
-LARGEST_TILT = 0.26
+MAX_TILT = 0.26
 # Largest coordinate of a pose [m], and largest velocity [m/s], [rad/s]; chosen: far beyond any
 # floor and any robot, and far below where products of such numbers overflow.
-LARGEST_POSITION = 1e7
-LARGEST_VELOCITY = 1e3
+MAX_POSITION = 1e7
+MAX_VELOCITY = 1e3
 Stamp = TypeVar('Stamp', Time, Duration)
 
 
@@ -94,7 +94,7 @@ def to_yaw(quaternion: Quaternion, topic: str) -> float:
     """
     x, y, z, w = quaternion.x, quaternion.y, quaternion.z, quaternion.w
     length = math.sqrt(x * x + y * y + z * z + w * w)
-    if not (math.isfinite(length) and length > LEAST_QUATERNION):
+    if not (math.isfinite(length) and length > MIN_QUATERNION):
         raise MessageRefused(f'{topic}: got the quaternion ({x:g}, {y:g}, {z:g}, {w:g}), '
                              'expected one of length 1')
     return math.atan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z)
@@ -110,9 +110,9 @@ def check_upright(quaternion: Quaternion, topic: str) -> None:
     """
     tilt = 2.0 * math.atan2(math.hypot(quaternion.x, quaternion.y),
                             math.hypot(quaternion.z, quaternion.w))
-    if tilt > LARGEST_TILT:
+    if tilt > MAX_TILT:
         raise MessageRefused(f'{topic}: got a pose whose z axis is tilted by {tilt:.2f} rad, '
-                             f'expected an upright one (at most {LARGEST_TILT:g} rad)')
+                             f'expected an upright one (at most {MAX_TILT:g} rad)')
 
 
 def to_pose_message(pose: Coordinates) -> PoseMessage:
@@ -137,9 +137,9 @@ def from_pose_message(message: PoseMessage, topic: str) -> Pose:
     """
     x, y = message.position.x, message.position.y
     # False for what is not a number as well.
-    if not (abs(x) <= LARGEST_POSITION and abs(y) <= LARGEST_POSITION):
+    if not (abs(x) <= MAX_POSITION and abs(y) <= MAX_POSITION):
         raise MessageRefused(f'{topic}: got the position ({x:g}, {y:g}), expected finite numbers '
-                             f'of at most {LARGEST_POSITION:g} m')
+                             f'of at most {MAX_POSITION:g} m')
     return Pose(x, y, to_yaw(message.orientation, topic))
 
 
@@ -177,7 +177,7 @@ def from_twist_message(message: TwistMessage, topic: str = 'cmd_vel') -> Twist:
     :raises MessageRefused: where a number is not finite.
     """
     twist = Twist(message.linear.x, message.linear.y, message.angular.z)
-    if not all(abs(value) <= LARGEST_VELOCITY for value in twist):
+    if not all(abs(value) <= MAX_VELOCITY for value in twist):
         raise MessageRefused(f'{topic}: got the twist {tuple(twist)}, expected finite numbers '
-                             f'of at most {LARGEST_VELOCITY:g} [m/s, m/s, rad/s]')
+                             f'of at most {MAX_VELOCITY:g} [m/s, m/s, rad/s]')
     return twist

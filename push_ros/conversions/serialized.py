@@ -149,7 +149,6 @@ def serialize_odometry(odometry: Odometry, stamp: int, frames: tuple[str, str],
     """
     Make a serialized ``nav_msgs/Odometry``.
 
-    :param odometry: ``Odometry``.
     :param stamp: [ns].
     :param frames: ids of the world frame and of the robot's, in whose axes the twist is.
     :param twist_covariance: of (x, y, z, roll, pitch, yaw) in the axes of the robot, by rows.
@@ -165,7 +164,6 @@ def serialize_object_pose(object_pose: ObjectPose, stamp: int, frame: str) -> by
     """
     Make a serialized ``geometry_msgs/PoseStamped``.
 
-    :param object_pose: ``ObjectPose``.
     :param stamp: [ns].
     :param frame: id of the world frame.
     """

@@ -40,7 +40,6 @@ class TransformListener:
         """
         Subscribe to tf.
 
-        :param node: the ``PushNode``.
         :param buffer: the ``TransformBuffer`` to be filled.
         :param on_transforms: called with nothing after transforms have come.
         """

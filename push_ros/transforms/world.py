@@ -39,7 +39,7 @@ HEADING_DRIFT = 2e-3
 # Pause between looks for a transform that is waited for [s]; chosen: much shorter than the wait.
 POLL_PERIOD = 5e-3
 # Waiting messages of one topic; chosen: a second of measurements.
-MOST_WAITING = 50
+MAX_WAITING = 50
 
 
 class Handlers(NamedTuple):
@@ -90,7 +90,6 @@ class WorldFrame:
         """
         Wait for the first message in another frame.
 
-        :param node: the ``PushNode``.
         :param frame: id of the world frame.
         :param timeout: how long a message waits for its transform [s].
         """
@@ -109,7 +108,6 @@ class WorldFrame:
         Make the callback of a subscription.
 
         :param topic: what errors call its messages.
-        :param handlers: ``Handlers``.
         """
         def receive(message: Any) -> None:
             self.receive(topic, message, handlers)
@@ -144,7 +142,7 @@ class WorldFrame:
         if not self._hand_on(waiting, now):
             self._waiting.append(waiting)
             of_topic = [item for item in self._waiting if item.topic == topic]
-            if len(of_topic) > MOST_WAITING:
+            if len(of_topic) > MAX_WAITING:
                 self._waiting.remove(of_topic[0])
 
     def in_world(self, topic: str, message: Any) -> Any:

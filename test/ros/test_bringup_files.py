@@ -55,7 +55,7 @@ def test_the_tags_are_on_the_object_and_in_the_frame_of_the_robot():
 def test_the_first_push_is_slow_and_waits(name):
     planner, controller = given(name, PLANNER), given(name, CONTROLLER)
     settings = from_parameter_values(PlannerSettings, planner, 'planner.')
-    assert settings.pushing_speed == settings.unsteered_speed == FIRST_SPEED
+    assert settings.pushing_speed == settings.straight_speed == FIRST_SPEED
     assert controller['wait_for_start'] and controller['task']
     # Poses and odometry at 20 Hz, three of them lost.
     control = from_parameter_values(ControlSettings, controller, 'control.')

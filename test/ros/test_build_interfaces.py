@@ -6,8 +6,7 @@ import sys
 
 from geometry_msgs.msg import TransformStamped
 from helpers.build_interfaces import available_tf2_msgs
-from push_scenario.dds.processes import private_domain
-from push_scenario.dds.replay_client import local_discovery
+from push_scenario.dds.private_network import private_domain, private_environment
 import pytest
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
@@ -33,10 +32,9 @@ def test_a_process_with_built_messages_sends_them_here():
     with available_tf2_msgs(), private_domain() as domain:
         from tf2_msgs.msg import TFMessage
         context = rclpy.Context()
-        with local_discovery():
-            rclpy.init(args=[], context=context, domain_id=domain)
-            other = subprocess.Popen([sys.executable, '-c', PUBLISHER], stdin=subprocess.DEVNULL,
-                                     env={**os.environ, 'ROS_DOMAIN_ID': str(domain)})
+        rclpy.init(args=[], context=context, domain_id=domain)
+        other = subprocess.Popen([sys.executable, '-c', PUBLISHER], stdin=subprocess.DEVNULL,
+                                 env=private_environment(domain))
         try:
             node = rclpy.create_node('receiver', context=context)
             executor = SingleThreadedExecutor(context=context)

@@ -17,8 +17,8 @@ from push_model.geometry import Pose
 from push_ros.conversions.measurements import from_object_pose_message, from_odometry_message
 from push_ros.topics import CONTROLLER, PLANNER, SIM, TOPICS
 from push_scenario.dds.parameter_files import write_parameter_files
-from push_scenario.dds.processes import NodeProcesses, private_domain
-from push_scenario.dds.replay_client import local_discovery
+from push_scenario.dds.private_network import private_domain, private_environment
+from push_scenario.dds.processes import NodeProcesses
 from push_scenario.definition.catalogue import find_scenario
 from push_scenario.definition.loader import read_scenario
 import pytest
@@ -57,8 +57,7 @@ def context(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Nodes]:
     context = rclpy.Context()
     with available(ROOT / 'push_control_msgs'), private_domain() as domain, \
             NodeProcesses(domain, folder) as processes, contextlib.ExitStack() as stack:
-        with local_discovery():
-            rclpy.init(args=[], context=context, domain_id=domain)
+        rclpy.init(args=[], context=context, domain_id=domain)
         stack.callback(rclpy.shutdown, context=context)
         for name, module in MODULES.items():
             processes.start(name, module, paths[name])
@@ -136,8 +135,7 @@ def test_the_example_runs(context, commander):
     done = subprocess.run(
         [sys.executable, str(ROOT / 'examples' / '05_commander.py')], text=True,
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
-        env={**os.environ, 'ROS_DOMAIN_ID': str(context[1].domain),
-             'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST',
+        env={**private_environment(context[1].domain),
              'PYTHONPATH': os.pathsep.join([str(ROOT), os.environ['PYTHONPATH']])})
     assert done.returncode == 0, done.stdout
     assert 'SUCCEEDED' in done.stdout

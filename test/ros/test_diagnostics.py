@@ -1,7 +1,6 @@
 """Values of diagnostics as people read them, and as programs read them back."""
 
 import math
-import os
 import re
 import subprocess
 import sys
@@ -13,7 +12,7 @@ from push_model.geometry import Pose
 from push_ros.diagnostics import (
     BURST, LINE_RATE, LogThrottle, OK, status_values, value_text,
 )
-from push_scenario.dds.processes import private_domain
+from push_scenario.dds.private_network import private_domain, private_environment
 import pytest
 
 # A node that logs a hundred lines of each kind at once, and ends.
@@ -99,7 +98,7 @@ def test_a_node_that_ends_logs_what_it_has_held_back():
     """The newest line of either kind, with the number of those before it, and none twice."""
     with private_domain() as domain:
         done = subprocess.run([sys.executable, '-c', FLOOD], text=True, stderr=subprocess.PIPE,
-                              env={**os.environ, 'ROS_DOMAIN_ID': str(domain)})
+                              env=private_environment(domain))
     assert done.returncode == 0, done.stderr
     for kind in ('line', 'fault'):
         lines = re.findall(rf'{kind} \d+.*', done.stderr)

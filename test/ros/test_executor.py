@@ -11,8 +11,7 @@ import time
 from helpers.architecture import ROOT
 from push_ros.executor import BAD_PARAMETER, MessageWaiter, PATIENCE_TIME, run, take_message
 from push_ros.qos import LATCHED
-from push_scenario.dds.processes import private_domain
-from push_scenario.dds.replay_client import local_discovery
+from push_scenario.dds.private_network import private_domain
 import pytest
 import rclpy
 from rclpy.context import Context
@@ -200,7 +199,7 @@ def test_a_signal_within_a_callback_of_a_library_interrupts_too():
 
 def test_a_wait_ends_with_a_message_of_any_subscription():
     """Whatever their number, and with the time where none comes."""
-    with private_domain() as domain, local_discovery():
+    with private_domain() as domain:
         context = Context()
         rclpy.init(args=[], context=context, domain_id=domain)
         node = rclpy.create_node('waits', context=context)

@@ -3,7 +3,7 @@
 import math
 
 from geometry_msgs.msg import (
-    Point, Pose as PoseMessage, PoseStamped, PoseWithCovarianceStamped, Quaternion, Transform,
+    Point, Pose as PoseMessage, PoseStamped, PoseWithCovarianceStamped, Quaternion,
     Twist as TwistMessage, Vector3,
 )
 from helpers.fuzzing import hypothesis, NUMBERS, settings, st, TEXTS
@@ -14,14 +14,15 @@ from push_model.parameters import PushedObject, Support
 from push_model.plan_request import PlanRequest
 from push_ros.conversions.map import from_map_message
 from push_ros.conversions.measurements import from_object_pose_message, from_odometry_message
-from push_ros.conversions.plan import from_plan_message, plan_failure
+from push_ros.conversions.plan import (
+    FAILURE, from_plan_message, LINE, MOTION, plan_failure, STYLE)
 from push_ros.conversions.plan_request import from_request_message, to_request_message
 from push_ros.conversions.primitives import (
     from_twist_message, MessageRefused, seconds, to_stamp,
 )
-from push_ros.diagnostics import LONGEST_TEXT, shortened
+from push_ros.diagnostics import MAX_TEXT, shortened
 import pytest
-from trajectory_msgs.msg import MultiDOFJointTrajectory, MultiDOFJointTrajectoryPoint
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 OBJECT = PushedObject(mass=5.0, supports=(Support(0.0, 0.0, 0.3),),
                       outline=((-0.2, -0.2), (0.2, -0.2), (0.2, 0.2), (-0.2, 0.2)))
@@ -44,7 +45,7 @@ def read(function, *arguments):
     try:
         return function(*arguments)
     except MessageRefused as error:
-        assert str(error) and len(shortened(str(error))) < 2 * LONGEST_TEXT
+        assert str(error) and len(shortened(str(error))) < 2 * MAX_TEXT
         return None
 
 
@@ -105,18 +106,17 @@ def test_maps(resolution, width, height, cells, origin, frame):
 
 
 @settings()
-@hypothesis.given(st.lists(st.sampled_from(['object', 'contact', 'robot', 'free_contact', '']),
-                           max_size=4),
-                  st.lists(st.tuples(st.integers(-5, 5), st.integers(0, 4), st.integers(0, 4),
-                                     NUMBERS), max_size=4))
-def test_plans(names, points):
+@hypothesis.given(st.lists(st.sampled_from([*LINE, STYLE, FAILURE, '']), max_size=8),
+                  st.booleans(), st.lists(st.tuples(st.integers(-5, 5), st.integers(-1, 1),
+                                                    st.integers(-1, 1), NUMBERS), max_size=4))
+def test_plans(names, has_motion, points):
     """Nothing but a plan passes for one."""
-    message = stamped(MultiDOFJointTrajectory(joint_names=names), 'odom', to_stamp(0.0))
-    for time, transforms, velocities, number in points:
-        translation = Vector3(x=number)
-        message.points.append(MultiDOFJointTrajectoryPoint(
-            transforms=[Transform(translation=translation)] * transforms,
-            velocities=[TwistMessage(linear=translation)] * velocities))
+    names = names + list(MOTION) if has_motion else names
+    message = stamped(JointTrajectory(joint_names=names), 'odom', to_stamp(0.0))
+    for time, positions, velocities, number in points:
+        message.points.append(JointTrajectoryPoint(
+            positions=[number] * max(0, len(names) + positions // 2),
+            velocities=[number] * max(0, len(names) + velocities // 2)))
         message.points[-1].time_from_start.sec = time
     plan_failure(message)
     plan = read(from_plan_message, message, 'odom')

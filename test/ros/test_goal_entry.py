@@ -1,4 +1,4 @@
-"""Goals that replace each other, with a mode that is played here; no topic is needed."""
+"""Goals that replace each other, with a pursuit that is played here; no topic is needed."""
 
 import dataclasses
 import logging
@@ -7,6 +7,7 @@ from types import SimpleNamespace
 from geometry_msgs.msg import PoseStamped
 from push_control.goal import GoalOutcome, GoalProgress, PushGoal
 from push_control.ros.goal_entry import GoalEntry
+from push_control.ros.start_state import StartState
 from push_model.geometry import Pose
 from push_ros.conversions.primitives import to_pose_message, to_stamp
 import pytest
@@ -15,10 +16,11 @@ FIRST, SECOND = (PushGoal(Pose(x, 0.0, 0.0)) for x in (1.0, 2.0))
 
 
 class Robot:
-    """A mode whose robot backs off after a goal until it is let go."""
+    """A pursuit whose robot backs off after a goal until it is let go."""
 
     def __init__(self):
         self.is_commanding = False
+        self.start_state = StartState.STARTED
         self.progress = GoalProgress()
         self.goals = []
         self.now = 100.0
@@ -38,7 +40,7 @@ class Robot:
 
 @pytest.fixture
 def robot():
-    """Make the mode."""
+    """Make the pursuit."""
     return Robot()
 
 

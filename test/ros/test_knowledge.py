@@ -4,9 +4,9 @@ import os
 
 from helpers.disk import full_disk
 from helpers.objects import bin_, box
-from push_control.estimation.object_knowledge import object_key, ObjectKnowledge
+from push_control.perception.object_knowledge import object_key, ObjectKnowledge
 from push_control.ros.objects.knowledge import KnowledgeFile, KnowledgeMemory
-from push_control.task.settings import SupervisionSettings
+from push_control.supervision_settings import SupervisionSettings
 from push_control.task.status import TaskState
 from push_model.files.whole_file import write_whole
 import pytest

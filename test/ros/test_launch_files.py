@@ -4,7 +4,7 @@ import os
 import signal
 
 from helpers.launched import launch_file, Launched, NODES, TIMEOUT
-from push_scenario.dds.processes import private_domain
+from push_scenario.dds.private_network import private_domain
 import pytest
 
 launch = pytest.importorskip('launch', reason='launch is not installed: there is no ROS 2 here')

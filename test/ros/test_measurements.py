@@ -3,7 +3,7 @@
 from push_control.ros.measurements import (
     CovarianceCheck, LatestMeasurements, OdometryState, OdometryWatchdog,
 )
-from push_control.task.settings import SupervisionSettings
+from push_control.supervision_settings import SupervisionSettings
 from push_model.geometry import Pose
 from push_model.signals import ObjectPose, Odometry, PoseCovariance, STOP
 

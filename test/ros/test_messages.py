@@ -8,12 +8,12 @@ from geometry_msgs.msg import Quaternion, Twist as TwistMessage
 import numpy as np
 from push_model.geometry import Pose, wrap_angle
 from push_model.signals import ObjectPose, Odometry, PoseCovariance, Twist
-from push_model.trajectory import COLUMNS, PushStyle, PushTrajectory
+from push_model.trajectory import COLUMNS, PushLine, PushStyle, PushTrajectory
 from push_ros.conversions.measurements import (
     from_object_pose_message, from_odometry_message, to_object_pose_message, to_odometry_message,
     to_wrench_message,
 )
-from push_ros.conversions.plan import from_plan_message, JOINTS, to_path_message, to_plan_message
+from push_ros.conversions.plan import from_plan_message, to_path_message, to_plan_message
 from push_ros.conversions.primitives import (
     check_frame, from_pose_message, from_twist_message, MessageRefused, nanoseconds, seconds,
     to_pose_message, to_stamp, to_yaw,
@@ -190,60 +190,87 @@ def test_a_wrench_is_a_force_in_its_frame():
     assert message.header.frame_id == 'object'
 
 
-def test_plans_survive_with_whole_turns_within_them():
-    """All arrays come back; angles may differ by whole turns, the same at all samples."""
+def straight(style=PushStyle.STRAIGHT):
+    """Make the trajectory of a push along an arc; its times are whole nanoseconds."""
+    line = PushLine(Pose(-0.37, 0.051, 0.1), -1.2, 0.4, 3)
+    plan = trajectory()
+    distances = np.linspace(0.0, line.length, len(plan.times))
+    return dataclasses.replace(
+        plan, times=np.arange(len(plan.times)) / 5.0, style=style, line=line,
+        robot_poses=line.robot_poses(Pose(*plan.object_poses[0].tolist()), distances))
+
+
+def test_steered_plans_survive_with_whole_turns_within_them():
+    """All arrays come back to the bit, times to the nanosecond."""
     plan = trajectory()
     back = from_plan_message(sent(to_plan_message(plan, to_stamp(2.0), 'odom')), 'odom')
     assert np.abs(back.times - plan.times).max() < 1e-9
     for name in COLUMNS:
-        difference = getattr(back, name) - getattr(plan, name)
-        turns = np.round(difference[0, 2] / (2 * math.pi)) if name.endswith('poses') else 0.0
-        difference[:, 2] -= 2 * math.pi * turns
-        assert np.abs(difference).max() < 1e-12
+        assert np.array_equal(getattr(back, name), getattr(plan, name))
+    assert back.style is PushStyle.STEERED and back.line is None
 
 
-@pytest.mark.parametrize('style, joint', [(PushStyle.STEERED, 'contact'),
-                                          (PushStyle.UNSTEERED, 'free_contact')])
-def test_the_style_of_a_plan_is_the_name_of_its_contact(style, joint):
-    """Nothing else of the message differs."""
-    plan = dataclasses.replace(trajectory(), style=style)
-    message = sent(to_plan_message(plan, to_stamp(2.0), 'odom'))
-    assert list(message.joint_names) == ['object', joint, 'robot']
-    assert message.points == to_plan_message(trajectory(), to_stamp(2.0), 'odom').points
-    back = from_plan_message(message, 'odom')
-    assert back.style is style
-    assert np.abs(back.contact_poses[:, :2] - plan.contact_poses[:, :2]).max() < 1e-12
+@pytest.mark.parametrize('style', [PushStyle.STRAIGHT, PushStyle.WAYPOINT])
+def test_a_plan_says_which_push_it_is(style):
+    """Style, start, curvature, length and face come back as they were, and so do the samples."""
+    plan = straight(style)
+    back = from_plan_message(sent(to_plan_message(plan, to_stamp(2.0), 'odom')), 'odom')
+    assert (back.style, back.line) == (style, plan.line)
+    for name in ('times', *COLUMNS):
+        assert np.array_equal(getattr(back, name), getattr(plan, name))
 
 
 def test_joints_may_come_in_another_order():
     """They are found by name."""
-    message = to_plan_message(trajectory(), to_stamp(0.0), 'odom')
-    message.joint_names = list(reversed(JOINTS))
+    plan = straight()
+    message = to_plan_message(plan, to_stamp(0.0), 'odom')
+    message.joint_names = list(reversed(message.joint_names))
     for point in message.points:
-        point.transforms = list(reversed(point.transforms))
+        point.positions = list(reversed(point.positions))
         point.velocities = list(reversed(point.velocities))
     back = from_plan_message(message, 'odom')
-    assert np.allclose(back.object_twists, trajectory().object_twists, atol=1e-12)
+    assert np.array_equal(back.object_twists, plan.object_twists)
+    assert back.line == plan.line
 
 
-def _no_robot(message):
-    message.joint_names = ['object', 'contact', 'arm']
+def set_number(message, name, value, points=slice(None)):
+    """Write a number of some points."""
+    column = list(message.joint_names).index(name)
+    for point in message.points[points]:
+        point.positions[column] = value
 
 
-def _two_contacts(message):
-    message.joint_names = ['object', 'contact', 'free_contact', 'robot']
+def _remove(name):
+    def spoil(message):
+        column = list(message.joint_names).index(name)
+        del message.joint_names[column]
+        for point in message.points:
+            del point.positions[column], point.velocities[column]
+    return spoil
+
+
+def _set(name, value, points=slice(None)):
+    return lambda message: set_number(message, name, value, points)
+
+
+def _unknown(message):
+    message.joint_names[-1] = 'arm.heading'
+
+
+def _twice(message):
+    message.joint_names[-1] = 'object.x'
 
 
 def _short_point(message):
-    message.points[3].velocities = message.points[3].velocities[:2]
+    message.points[3].velocities.pop()
 
 
 def _one_point(message):
     message.points = message.points[:1]
 
 
-def _nan(message):
-    message.points[2].transforms[1].translation.x = math.nan
+def _no_point(message):
+    message.points = []
 
 
 def _backwards(message):
@@ -255,13 +282,24 @@ def _map(message):
 
 
 @pytest.mark.parametrize('spoil, text', [
-    (_no_robot, 'joints object, contact, arm'),
-    (_two_contacts, 'expected object, contact, robot or object, free_contact, robot'),
-    (_short_point, '2 velocities in point 3'), (_one_point, 'got 1 samples'), (_nan, 'not finite'),
-    (_backwards, 'increasing'), (_map, "frame 'map', expected 'odom'")])
+    (_unknown, 'unknown fields arm.heading'), (_twice, 'robot.heading: got nothing'),
+    (_remove('contact.y'), 'contact.y: got nothing, expected a number'),
+    *((_remove(name), f'{name}: got nothing, expected a number')
+      for name in ('style', 'start.x', 'start.y', 'start.heading', 'curvature', 'length', 'face')),
+    (_short_point, '15 velocities in point 3, expected 16'), (_one_point, 'got 1 samples'),
+    (_no_point, 'got no points'), (_backwards, 'increasing'),
+    (_map, "frame 'map', expected 'odom'"),
+    (_set('contact.x', math.nan, slice(2, 3)), 'contact.x: got nan in the positions of point 2'),
+    (_set('style', 7.0), '0 .steered., 1 .straight., 2 .waypoint.'),
+    (_set('style', 0.0), 'unknown fields curvature, face, length, start.heading'),
+    (_set('curvature', 0.5, slice(4, 5)), 'curvature: got -1.2 to 0.5, expected the same at all'),
+    (_set('curvature', 0.5), 'got ends 0.1.* m beside those of robot_poses'),
+    (_set('start.x', -0.3), 'got ends 0.07 m beside'), (_set('length', 0.0), 'a length above 0'),
+    (_set('face', 1.5), 'face: got 1.5, expected a whole number'),
+    (_set('face', -1.0), 'a face from 0 on')])
 def test_a_malformed_plan_is_refused(spoil, text):
     """The error says what is wrong."""
-    message = to_plan_message(trajectory(), to_stamp(0.0), 'odom')
+    message = to_plan_message(straight(), to_stamp(0.0), 'odom')
     spoil(message)
     with pytest.raises(MessageRefused, match=f'(?s)push_plan: .*{text}'):
         from_plan_message(message, 'odom')

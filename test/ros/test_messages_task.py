@@ -238,7 +238,24 @@ def test_no_plan_is_not_taken_for_a_plan():
     """The answer where there is none has the stamp of its request, and nothing to follow."""
     for code in PlanFailure:
         message = sent(no_plan_message(code, exact_stamp(7), 'odom'))
-        assert nanoseconds(message.header.stamp) == 7 and len(message.points) == 0
+        assert nanoseconds(message.header.stamp) == 7
+        assert list(message.joint_names) == ['failure']
         assert plan_failure(message) is code
-        with pytest.raises(MessageRefused, match='got joints'):
+        with pytest.raises(MessageRefused, match='push_plan: got the unknown fields failure'):
             from_plan_message(message, 'odom')
+
+
+@pytest.mark.parametrize('code', [0.0, 0.5, len(PlanFailure) + 1.0, math.nan])
+def test_an_unknown_code_of_a_failure_is_no_plan_either(code):
+    """A planner of another version may have reasons of its own."""
+    message = no_plan_message(PlanFailure.BLOCKED, exact_stamp(7), 'odom')
+    message.points[0].positions[0] = code
+    assert plan_failure(sent(message)) is PlanFailure.INVALID_PLAN
+
+
+def test_an_empty_message_is_no_plan():
+    """Nor is a failure without its code."""
+    message = no_plan_message(PlanFailure.BLOCKED, exact_stamp(7), 'odom')
+    message.points[0].positions = []
+    for empty in (type(message)(), message):
+        assert plan_failure(sent(empty)) is PlanFailure.INVALID_PLAN

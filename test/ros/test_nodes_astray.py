@@ -3,12 +3,12 @@
 import math
 
 from helpers.node_bench import bench
-from push_control.estimation.contact_site import initial_contact_site
+from push_control.steered.estimation.contact_site import initial_contact_site
 from push_model.files.flat_values import to_parameter_values
 from push_model.geometry import distance, Pose
 from push_model.signals import Twist
 from push_planner.problem import problem_from_placement
-from push_planner.single_push.planner import plan_push
+from push_planner.steered.planner import plan_push
 from push_ros.conversions.plan import to_plan_message
 from push_ros.conversions.plan_request import from_request_message
 from push_ros.conversions.primitives import to_stamp
@@ -25,7 +25,8 @@ PARAMETERS = {**to_parameter_values(SCENARIO.object, 'object.'),
               **to_parameter_values(SCENARIO.robot, 'robot.'),
               # The robot that is played here does not turn, and is hardly commanded to.
               'control.feedback_cone_fraction': 0.1,
-              'use_sim_time': True, 'lockstep': True, 'control.max_reapproaches': 0}
+              'use_sim_time': True, 'lockstep': True, 'control.max_reapproaches': 0,
+              'accept_unrequested_plans': True}
 PERIOD = 0.1
 
 
@@ -46,7 +47,7 @@ def test_the_planner_is_asked_once_where_a_push_ends_beside_its_goal(tmp_path):
         b.wait_until(lambda: b.received['diagnostics'])
         b.clock(0.0)
         b.publish('push_plan', to_plan_message(target, to_stamp(0.0), 'odom'))
-        b.wait_until(lambda: any('has a plan' in text for text in texts(b)))
+        b.wait_until(lambda: any('task: push' in text for text in texts(b)))
         b.connect(OBJECT, ROBOT)
         bearing = math.atan2(GOAL.y - OBJECT.y, GOAL.x - OBJECT.x)
         aside = math.atan2(0.08, math.hypot(GOAL.x - OBJECT.x, GOAL.y - OBJECT.y))

@@ -155,6 +155,11 @@ def test_clock_and_speed_of_time(tmp_path):
         times = [seconds(message.clock) for message in b.received['clock']]
         assert times == sorted(times)
         assert min(later - time for time, later in zip(times, times[1:])) < 0.0101
+        assert b.call('sim/reset').success
+        count = len(b.received['clock'])
+        b.wait_until(lambda: len(b.received['clock']) > count + 20)
+        times = [seconds(message.clock) for message in b.received['clock']]
+        assert times == sorted(times), 'a reset lets the clock fall back'
         refused, accepted = set_parameters(b, time_scale=1000.0), set_parameters(b, time_scale=100)
         assert not refused.successful and 'time_scale' in refused.reason, refused
         assert accepted.successful

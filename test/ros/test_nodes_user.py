@@ -1,7 +1,6 @@
 """What a user of ROS 2 does with controller and planner, over Fast DDS and on the wall clock."""
 
 import itertools
-import os
 import signal
 import subprocess
 import sys
@@ -17,11 +16,13 @@ from push_model.files.flat_values import to_parameter_values
 from push_model.geometry import Pose
 from push_model.signals import ObjectPose, Odometry, STOP
 from push_ros.conversions.measurements import to_object_pose_message, to_odometry_message
+from push_ros.conversions.plan import from_plan_message, plan_failure
 from push_ros.conversions.primitives import seconds, to_pose_message, to_stamp
 from push_ros.diagnostics import ERROR, OK, status_values
 from push_ros.parameters import DYNAMIC, IDLE, READ_ONLY
 from push_ros.start import NODES
 from push_ros.topics import CONTROLLER, PLANNER
+from push_scenario.dds.private_network import private_environment
 from push_scenario.definition.catalogue import find_scenario
 from push_scenario.definition.loader import read_scenario
 import pytest
@@ -166,7 +167,7 @@ def test_a_goal_that_is_published_once_arrives(setup):
     setup.publish_once(goal(ahead=1000.0))
     setup.measure_until(lambda: any(speed > 0.0 for speed in speeds(setup)))
     assert len(setup.b.received['push_request']) == 1
-    assert setup.b.received['push_plan'][0].points
+    assert plan_failure(setup.b.received['push_plan'][0]) is None
     setup.b.wait_until(lambda: any('its stamp is ' in entry.msg and 's ahead of' in entry.msg
                                    for entry in setup.log))
     command = setup.b.received['cmd_vel'][-1]
@@ -176,11 +177,11 @@ def test_a_goal_that_is_published_once_arrives(setup):
 def test_diagnostics_are_for_people_and_programs(setup):
     """Values have units in their names; stamps are fresh, and levels fit."""
     push(setup)
-    setup.measure_until(lambda: any('is pushing' in status.message
+    setup.measure_until(lambda: any('task: push' in status.message
                                     for status in setup.statuses()))
-    status = next(status for status in setup.statuses() if 'is pushing' in status.message)
-    assert status.level == OK and 'position_error [m]' in {item.key for item in status.values}
-    assert float(status_values(status)['position_error']) > 0.5
+    status = next(status for status in setup.statuses() if 'task: push' in status.message)
+    assert status.level == OK and 'push.position_error [m]' in {item.key for item in status.values}
+    assert float(status_values(status)['push.position_error']) > 0.5
     assert abs(seconds(setup.b.received['diagnostics'][-1].header.stamp) - time.time()) < 500.0
 
 
@@ -214,9 +215,8 @@ def test_dynamic_parameters_may_be_set(setup):
     setup.forget()
     setup.publish_once(goal())
     setup.measure_until(setup.answers)
-    first, second = (setup.answers()[0].points[k] for k in (1, 2))
-    speed = second.velocities[0].linear.x
-    assert 0.05 < speed < 0.105 and first.velocities[0].linear.x < 0.105
+    first, second = from_plan_message(setup.answers()[0], 'odom').object_twists[1:3, 0]
+    assert 0.05 < second < 0.105 and first < 0.105
 
 
 def test_an_inactive_controller_stops_the_robot_and_is_silent(setup):
@@ -253,8 +253,7 @@ def test_an_inactive_planner_plans_nothing(setup):
 
 def test_a_refusal_is_on_rosout_and_in_the_exit_status(setup):
     """A parameter that a group of the node does not have, by its name."""
-    environment = {**os.environ, 'ROS_DOMAIN_ID': str(setup.b.processes.domain),
-                   'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}
+    environment = private_environment(setup.b.processes.domain)
     command = [sys.executable, '-m', 'push_ros.start', 'controller', '--ros-args', '-r',
                '__node:=mistaken', '--params-file', str(config_file('push.yaml')), '-p',
                'robot.radios:=0.2']
@@ -279,9 +278,8 @@ def test_a_node_that_is_interrupted_ends_well(name):
     command = [sys.executable, '-m', 'push_ros.start', name, '--ros-args', '--params-file',
                str(config_file('push.yaml'))]
     if name == 'planner':
-        command += ['-p', 'push_planner:planner.site:=sequence']
-    environment = {**os.environ, 'ROS_DOMAIN_ID': '102',
-                   'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}
+        command += ['-p', 'push_planner:planner.mode:=task']
+    environment = private_environment()
     started = [(delay, subprocess.Popen(command, stderr=subprocess.PIPE, text=True,
                                         env=environment)) for delay in DELAYS]
     for _, process in started:

@@ -4,17 +4,17 @@ import contextlib
 import time
 
 from push_control.controller_node import ControllerNode
-from push_control.push.status import Phase
+from push_control.steered.status import Phase
 from push_model.files.flat_values import to_parameter_values
 from push_model.geometry import Pose
 from push_model.signals import ObjectPose, Odometry, STOP, Twist
 from push_planner.problem import problem_from_placement
-from push_planner.single_push.planner import plan_push
+from push_planner.steered.planner import plan_push
 from push_ros.conversions.measurements import to_object_pose_message, to_odometry_message
 from push_ros.conversions.plan import to_plan_message
 from push_ros.conversions.primitives import exact_stamp, NANOSECONDS
 from push_ros.topics import CONTROLLER
-from push_scenario.dds.processes import private_domain
+from push_scenario.dds.private_network import private_domain
 from push_scenario.definition.loader import load_scenario
 import pytest
 import rclpy
@@ -36,21 +36,22 @@ class Stage:
         self.nodes = first, second
         self.sent = {node: [] for node in self.nodes}
         for node in self.nodes:
-            publish = node._commands._publish
+            publish = node.controller._commands._publish
 
             def record(twist, stamp, node=node, publish=publish):
                 self.sent[node].append(twist)
                 publish(twist, stamp)
-            node._commands._publish = record
+            node.controller._commands._publish = record
         self.time, self.pose, self.twist = 100.0, ROBOT, STOP
 
     def step(self, obeyed=None):
         """Measure once; the robot moves as one of the controllers commands, or not at all."""
         self.time += PERIOD
         for node in self.nodes:
-            node._on_odometry(to_odometry_message(Odometry(self.time, self.pose, self.twist),
-                                                  'odom', 'base_link'))
-            node._on_object_pose(to_object_pose_message(ObjectPose(self.time, OBJECT), 'odom'))
+            node.controller.on_odometry(to_odometry_message(
+                Odometry(self.time, self.pose, self.twist), 'odom', 'base_link'))
+            node.controller.on_object_pose(to_object_pose_message(
+                ObjectPose(self.time, OBJECT), 'odom'))
         sent = self.sent.get(obeyed)
         command = sent[-1] if sent else STOP
         self.twist = Twist(*(a + 0.2 * (b - a) for a, b in zip(self.twist, command)))
@@ -60,26 +61,26 @@ class Stage:
         """Give one of them a plan from here."""
         problem = problem_from_placement(SCENARIO.object, SCENARIO.robot, OBJECT, ROBOT, GOAL,
                                          SCENARIO.planner)
-        node._on_plan(to_plan_message(plan_push(problem).trajectory,
-                                      exact_stamp(round(self.time * NANOSECONDS)), 'odom'))
+        node.controller.on_plan(to_plan_message(
+            plan_push(problem).trajectory, exact_stamp(round(self.time * NANOSECONDS)), 'odom'))
 
     def wait_until(self, condition, obeyed=None):
         """Measure until something holds, in time for messages to come through."""
         end = time.monotonic() + TIMEOUT
         while not condition():
-            assert time.monotonic() < end, [node._mode.progress for node in self.nodes]
+            assert time.monotonic() < end, [node.controller.pursuit.progress
+                                            for node in self.nodes]
             self.step(obeyed)
             time.sleep(0.01)
 
 
 @pytest.fixture
-def stage(tmp_path, monkeypatch):
+def stage(tmp_path):
     """Make both controllers, active, and let them meet."""
     path = tmp_path / 'controller.yaml'
     path.write_text(yaml.safe_dump({CONTROLLER: {'ros__parameters': {
         **to_parameter_values(SCENARIO.object, 'object.'),
-        **to_parameter_values(SCENARIO.robot, 'robot.')}}}))
-    monkeypatch.setenv('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
+        **to_parameter_values(SCENARIO.robot, 'robot.'), 'accept_unrequested_plans': True}}}))
     with private_domain() as domain, contextlib.ExitStack() as stack:
         rclpy.init(args=['--ros-args', '--params-file', str(path)], domain_id=domain)
         stack.callback(rclpy.shutdown)
@@ -92,8 +93,8 @@ def stage(tmp_path, monkeypatch):
 
         def have_met():
             for node in nodes:
-                node._others._look()
-            return all(node._others.names for node in nodes)
+                node.controller._others._look()
+            return all(node.controller._others.names for node in nodes)
         made.step()
         made.wait_until(have_met)
         yield made
@@ -105,18 +106,19 @@ def test_the_later_one_yields_and_names_the_first(stage):
     stage.plan(first)
     stage.wait_until(lambda: len(stage.sent[first]) > 20, first)
     stage.plan(second)
-    stage.wait_until(lambda: f'by /{CONTROLLER}' in second._mode.progress.reason, first)
+    stage.wait_until(
+        lambda: f'by /{CONTROLLER}' in second.controller.pursuit.progress.reason, first)
     count = len(stage.sent[first])
     stage.wait_until(lambda: len(stage.sent[first]) > count + 10, first)
     assert not stage.sent[second]
-    assert first._mode._controller.status.phase is Phase.PUSHING
+    assert first.controller.pursuit._supervisor.status.push.phase is Phase.PUSHING
 
     # It does not, as it does not know of the first.
-    second._gate._yields = False
-    second._gate._was_commanding = True
-    second._commands._publish(Twist(0.2, 0.0, 0.0), second.now())
-    stage.wait_until(lambda: f'by /{CONTROLLER}' in first._mode.progress.reason)
+    second.controller._gate.yields = False
+    second.controller._gate._was_commanding = True
+    second.controller._commands._publish(Twist(0.2, 0.0, 0.0), second.now())
+    stage.wait_until(lambda: f'by /{CONTROLLER}' in first.controller.pursuit.progress.reason)
     assert stage.sent[first][-1] == STOP
     # Both have been named; once nobody drives one of them goes on.
-    first._stop()
+    first.controller.stop()
     stage.wait_until(lambda: any(twist != STOP for twist in stage.sent[second][1:]))

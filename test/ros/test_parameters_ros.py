@@ -1,9 +1,12 @@
 """Parameter dataclasses as ROS parameters: the same values, described and guarded."""
 
 import contextlib
+import dataclasses
 import math
+from typing import get_type_hints
 
 from push_control import controller_node
+from push_control.ros.parameters import ControllerParameters
 from push_control.settings import ControlSettings
 from push_model.files.data import config_file
 from push_model.files.flat_values import (
@@ -11,10 +14,11 @@ from push_model.files.flat_values import (
 )
 from push_model.files.parameter_files import read_object, read_robot
 from push_model.parameters import PushedObject, RoundRobot, Support
+from push_model.quantity import quantity
 from push_planner import planner_node
 from push_planner.problem import PlannerSettings
 from push_ros.node_settings import ControllerOptions, Frames, SimOptions
-from push_ros.parameters import ParameterSet
+from push_ros.parameters import dynamic_parameters, ParameterSet
 from push_ros.topics import CONTROLLER, PLANNER, SIM
 from push_scenario.dds.parameter_files import write_parameter_files
 from push_scenario.definition.catalogue import scenario_names
@@ -98,7 +102,7 @@ def test_the_nodes_of_a_replay_get_its_scenario(tmp_path, name):
     if case.task is None:
         expected[PLANNER] += [case.planner]
     else:
-        expected[PLANNER] += [case.task.drive, case.task.planning]
+        expected[PLANNER] += [case.task.drive]
         expected[CONTROLLER] += [case.task.drive, case.task.supervision]
     for node, instances in expected.items():
         values = yaml.safe_load(files[node].read_text())[node]['ros__parameters']
@@ -172,6 +176,25 @@ def test_whole_numbers_do_for_real_ones():
         assert isinstance(node.get_parameter('object.mass').value, float)
 
 
+def test_each_section_of_the_controller_has_its_field():
+    """As ``ControllerParameters`` is made of the sections, in their order."""
+    fields = get_type_hints(ControllerParameters).values()
+    assert [cls for _, cls in controller_node.SECTIONS] == list(fields)
+
+
+def test_what_takes_no_effect_while_the_node_runs_cannot_be_set():
+    """Its field says so, and nothing else has to be told."""
+    @dataclasses.dataclass(frozen=True)
+    class Settings:
+        gain: float = quantity('gain', default=1.0)
+        noise: float = quantity('noise', is_dynamic=False, default=1.0)
+    sections = [('some.', Settings), ('other.', Settings)]
+    assert dynamic_parameters(sections, 'some.') == ['some.gain']
+    built = {spec.name for prefix, cls in controller_node.SECTIONS
+             for spec in parameter_specs(cls, prefix) if not spec.metadata['is_dynamic']}
+    assert built and not built.intersection(controller_node.SETTABLE)
+
+
 @pytest.mark.parametrize('name', [PLANNER, CONTROLLER, SIM])
 def test_the_default_file_has_only_parameters_that_its_nodes_have(name):
     """Each key of push.yaml, in ``/**`` and in the node's own section; values pass the checks."""
@@ -192,6 +215,25 @@ def test_the_default_file_has_the_box_and_the_disc_of_the_scenarios():
         config_file('objects/box_04.yaml'))
     assert from_parameter_values(RoundRobot, values, 'robot.') == read_robot(
         config_file('robots/disc_017.yaml'))
+
+
+@pytest.mark.parametrize('name', [PLANNER, CONTROLLER])
+def test_the_default_file_has_every_basic_parameter_before_the_others_of_its_group(name):
+    """Those with a default at that, but for the box and the disc."""
+    sections = yaml.safe_load(config_file('push.yaml').read_text())
+    values = {}
+    for part in ('/**', f'/**/{name}'):
+        values.update(_flat(sections[part]['ros__parameters']))
+    specs = {spec.name: spec for spec in parameters(name)}
+    basic = {key for key, spec in specs.items() if spec.metadata['is_basic']}
+    # The box has an outline in its place.
+    assert basic - set(values) == {'object.radius'}
+    for group in {key.split('.')[0] for key in values}:
+        flags = [key in basic for key in values if key.split('.')[0] == group]
+        assert flags == sorted(flags, reverse=True), group
+    for key in basic.intersection(values):
+        if not key.startswith(('object.', 'robot.')):
+            assert values[key] == specs[key].default
 
 
 def _flat(tree, prefix=''):

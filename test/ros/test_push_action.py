@@ -44,6 +44,7 @@ PARAMETERS = {**to_parameter_values(SCENARIO.object, 'object.'),
               'base.parameters.expected': ['false', 'backup_only|full'], 'base.timeout': 4.0}
 BIN = read_object(config_file('objects/bin.yaml'))
 PERIOD = 0.05
+STOPPED = 'stopped by controller/stop: call controller/start'
 
 
 class Client:
@@ -102,6 +103,11 @@ class Client:
         """Let time pass until the robot waits for a plan."""
         self.measure_until(lambda: self.statuses
                            and self.statuses[-1].state == self.statuses[-1].PLANNING)
+
+    def texts(self):
+        """List what was reported."""
+        return [status.message for message in self.b.received['diagnostics']
+                for status in message.status]
 
     def errors(self):
         """List the errors that were reported."""
@@ -324,7 +330,28 @@ def test_a_goal_ends_at_its_time_limit_and_by_the_service(client):
     client.measure_until(result.done)
     assert result.result().status == GoalStatus.STATUS_ABORTED
     assert result.result().result.error_code == client.action.Result.INTERRUPTED
-    assert client.b.call('controller/start').success
+    assert client.b.call('controller/start').message.endswith('goes on to the goal of before')
+
+
+def test_after_a_stop_goals_are_refused_until_the_start(client):
+    """At once, and with the reason, whether they come by the action or the topic."""
+    client.result(OBJECT)
+    assert client.b.call('controller/stop').success
+    client.measure_until(lambda: client.statuses[-1].text == f'idle, {STOPPED}')
+    client.measure_until(lambda: any(f'task: idle, {STOPPED}' in text
+                                     for text in client.texts()))
+    client.b.received['diagnostics'].clear()
+    _, result = client.send(OBJECT)
+    client.b.wait_until(result.done)
+    assert result.result().status == GoalStatus.STATUS_ABORTED
+    assert result.result().result.error_code == client.action.Result.STOPPED
+    assert result.result().result.error_msg == f'no goal is taken: {STOPPED}'
+    client.b.publish('goal_pose', stamped(OBJECT))
+    client.measure_until(lambda: f'goal_pose: no goal is taken: {STOPPED}' in client.errors())
+    assert client.statuses[-1].state == client.statuses[-1].IDLE
+    started = client.b.call('controller/start')
+    assert (started.success, started.message) == (True, 'the stop is lifted; waits for a goal')
+    assert client.result(OBJECT).status == GoalStatus.STATUS_SUCCEEDED
 
 
 def test_a_goal_without_a_plan_is_given_up(client):

@@ -8,7 +8,7 @@ import subprocess
 import time
 
 from helpers.launched import Launched, NODES, TIMEOUT
-from push_scenario.dds.processes import private_domain
+from push_scenario.dds.private_network import private_domain
 import pytest
 
 pytest.importorskip('launch_ros', reason='launch_ros is not installed: there is no ROS 2 here')

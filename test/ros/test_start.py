@@ -69,8 +69,8 @@ def test_a_node_is_imported_with_one_thread_and_without_collections(
 
 @pytest.mark.parametrize('node, left_out', [
     ('push_control.controller_node', ('push_control.task.supervisor', 'push_planner')),
-    ('push_planner.planner_node', ('push_primitives', 'push_planner.sequence',
-                                   'push_planner.single_push', 'push_planner.map_search'))])
+    ('push_planner.planner_node', ('push_primitives', 'push_planner.task_planner',
+                                   'push_planner.steered', 'push_planner.straight'))])
 def test_a_node_does_not_import_what_its_first_message_does_not_need(node, left_out):
     """The modes of the controller, and all that plans, take as long as all the rest."""
     code = (f'import sys, {node}; '

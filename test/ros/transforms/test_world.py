@@ -16,8 +16,7 @@ from push_ros.transforms.listener import (
 )
 from push_ros.transforms.messages import to_transform_message
 from push_ros.transforms.world import Handlers, WorldFrame
-from push_scenario.dds.processes import private_domain
-from push_scenario.dds.replay_client import local_discovery
+from push_scenario.dds.private_network import private_domain
 import pytest
 import rclpy
 from rclpy.executors import SingleThreadedExecutor
@@ -79,8 +78,7 @@ class Receiver:
 def ros():
     """Start ROS on a domain of its own."""
     with available_tf2_msgs(), private_domain() as domain:
-        with local_discovery():
-            rclpy.init(args=[], domain_id=domain)
+        rclpy.init(args=[], domain_id=domain)
         yield
         rclpy.shutdown()
 

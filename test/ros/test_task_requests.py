@@ -1,4 +1,4 @@
-"""Requests for sequences in live maps, as the planner's node handles them, without a network."""
+"""Requests of tasks in live maps, as the planner's node handles them, without a network."""
 
 import numpy as np
 from push_model.geometry import BoolArray, Pose
@@ -7,8 +7,7 @@ from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.settings import MapSettings
 from push_planner.problem import PlanningFailed
 from push_planner.ros.parameters import PlannerParameters
-from push_planner.ros.sequence_planner import SequenceRequestHandler
-from push_planner.settings import TaskSettings
+from push_planner.ros.task_requests import TaskRequestHandler
 from push_ros.conversions.map import to_map_message
 from push_ros.conversions.primitives import to_stamp
 from push_scenario.definition.loader import load_scenario
@@ -30,15 +29,15 @@ def marks(*places: Pose) -> BoolArray:
 
 
 @pytest.fixture
-def handler() -> SequenceRequestHandler:
+def handler() -> TaskRequestHandler:
     """Make one that clears footprints."""
     assert SCENARIO.task is not None
-    return SequenceRequestHandler(PlannerParameters(
+    return TaskRequestHandler(PlannerParameters(
         SCENARIO.object, SCENARIO.robot, SCENARIO.planner, SCENARIO.task.drive,
-        TaskSettings(method='sequences'), MapSettings(footprint_clearing_enabled=True)), FRAME)
+        MapSettings(footprint_clearing_enabled=True)), FRAME)
 
 
-def show(handler: SequenceRequestHandler, time: float, cells: BoolArray) -> None:
+def show(handler: TaskRequestHandler, time: float, cells: BoolArray) -> None:
     """Let a map come."""
     handler.on_map(to_map_message(OccupancyMap(0.1, Pose(-4.0, -4.0, 0.0), cells),
                                   to_stamp(time), FRAME))
@@ -46,13 +45,13 @@ def show(handler: SequenceRequestHandler, time: float, cells: BoolArray) -> None
 
 
 def test_a_goal_where_the_costmap_still_shows_the_object_is_free(
-        handler: SequenceRequestHandler) -> None:
+        handler: TaskRequestHandler) -> None:
     """The object was there long ago, and each map since has shown it; an obstacle is another."""
     handler.clearing.record(10.0, GOAL, None)
     show(handler, 10.0, marks(GOAL))
     handler.clearing.record(60.0, OBJECT, None)
     show(handler, 60.0, marks(GOAL, OBJECT))
-    assert handler.plan(REQUEST).pushes
+    assert handler.plan(REQUEST).trajectory.duration > 0.0
     show(handler, 61.0, marks(OBJECT))
     show(handler, 62.0, marks(GOAL, OBJECT))
     with pytest.raises(PlanningFailed) as failure:
