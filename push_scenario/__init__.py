@@ -4,7 +4,7 @@ Scenarios of pushing: simulated, replayed over DDS, measured, reported and drawn
 A scenario is simulated and drawn in five lines; the modules behind these names are imported at
 first use, and matplotlib only for drawing::
 
-    scenario = load_scenario('task_two_pushes')
+    scenario = load_scenario('task_approach')
     result = simulate(scenario)
     print(measure(result), is_as_expected(result))
     print(format_report([result]))
@@ -18,10 +18,6 @@ from push_model.files.lazy_names import lazy_names
 if TYPE_CHECKING:
     from push_model.files.parameter_files import read_object, read_robot
     from push_model.files.strict_yaml import ParameterFileError
-    from push_scenario.batch.batch import BatchResult, run_batch, seeds
-    from push_scenario.batch.push_batch import PushBatchResult, run_pushes
-    from push_scenario.batch.push_cases import simulate_cases
-    from push_scenario.batch.varied_push import VariedPush
     from push_scenario.definition.catalogue import scenario_names
     from push_scenario.definition.loader import load_scenario, scenario_from_text, scenario_text
     from push_scenario.definition.placement import Placement
@@ -29,27 +25,23 @@ if TYPE_CHECKING:
     from push_scenario.definition.task import LaterGoal, Task
     from push_scenario.evaluation.metrics import is_as_expected, measure, Metrics
     from push_scenario.evaluation.report import format_report
+    from push_scenario.parallel import progress_bar, run_many, simulate_many
     from push_scenario.plots.animation import draw_animation
     from push_scenario.plots.figure import draw_figure
     from push_scenario.simulation.loop import Progress, simulate
     from push_scenario.simulation.result import Outcome, RunResult
 
 __all__ = [
-    'BatchResult', 'Bounds', 'draw_animation', 'draw_figure', 'format_report',
-    'is_as_expected', 'LaterGoal', 'load_scenario', 'measure', 'Metrics', 'Outcome',
-    'ParameterFileError', 'Placement', 'Progress', 'PushBatchResult', 'read_object',
-    'read_robot', 'run_batch', 'run_pushes', 'RunResult', 'Scenario', 'scenario_from_text',
-    'scenario_names', 'scenario_text', 'seeds', 'simulate', 'simulate_cases', 'Start', 'Task',
-    'VariedPush',
+    'Bounds', 'draw_animation', 'draw_figure', 'format_report', 'is_as_expected', 'LaterGoal',
+    'load_scenario', 'measure', 'Metrics', 'Outcome', 'ParameterFileError', 'Placement',
+    'Progress', 'progress_bar', 'read_object', 'read_robot', 'run_many', 'RunResult', 'Scenario',
+    'scenario_from_text', 'scenario_names', 'scenario_text', 'simulate', 'simulate_many', 'Start',
+    'Task',
 ]
 
 __getattr__, __dir__ = lazy_names(__name__, {
     'push_model.files.parameter_files': ('read_object', 'read_robot'),
     'push_model.files.strict_yaml': ('ParameterFileError',),
-    'push_scenario.batch.batch': ('BatchResult', 'run_batch', 'seeds'),
-    'push_scenario.batch.push_batch': ('PushBatchResult', 'run_pushes'),
-    'push_scenario.batch.push_cases': ('simulate_cases',),
-    'push_scenario.batch.varied_push': ('VariedPush',),
     'push_scenario.definition.catalogue': ('scenario_names',),
     'push_scenario.definition.loader': ('load_scenario', 'scenario_from_text', 'scenario_text'),
     'push_scenario.definition.placement': ('Placement',),
@@ -57,6 +49,7 @@ __getattr__, __dir__ = lazy_names(__name__, {
     'push_scenario.definition.task': ('LaterGoal', 'Task'),
     'push_scenario.evaluation.metrics': ('is_as_expected', 'measure', 'Metrics'),
     'push_scenario.evaluation.report': ('format_report',),
+    'push_scenario.parallel': ('progress_bar', 'run_many', 'simulate_many'),
     'push_scenario.plots.animation': ('draw_animation',),
     'push_scenario.plots.figure': ('draw_figure',),
     'push_scenario.simulation.loop': ('Progress', 'simulate'),

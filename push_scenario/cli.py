@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Sequence
 import dataclasses
 from importlib import util
 import math
+import os
 from pathlib import Path
 import sys
 import time
@@ -17,10 +18,10 @@ from typing import TextIO, TYPE_CHECKING
 
 from push_control.settings import LAWS
 import push_scenario
-from push_scenario.batch.interrupts import Interrupts
 from push_scenario.definition.catalogue import (
     find_scenario, scenario_description, scenario_names,
 )
+from push_scenario.interrupts import Interrupts
 
 if TYPE_CHECKING:
     from push_scenario.definition.scenario import Scenario
@@ -33,8 +34,11 @@ AS_EXPECTED, NOT_AS_EXPECTED, MISUSE, INTERRUPTED = 0, 1, 2, 130
 # How often progress is shown: smoothly in a terminal, without flooding a log [s].
 TERMINAL_PERIOD = 0.1
 LOG_PERIOD = 5.0
+# Window of a terminal that does not tell its size, and what stands for the rest of a line.
+DEFAULT_COLUMNS = 80
+ELLIPSIS = '...'
 # Commands of a recording that are listed where they differ; chosen: the first tell most.
-MOST_DIFFERENCES = 5
+MAX_DIFFERENCES = 5
 # What a first run compiles and computes takes longer than this [s]; chosen.
 HINT_DELAY = 5.0
 # A ratio to wall time is shown once so much of it can be trusted [s].
@@ -62,11 +66,7 @@ class ProgressLine:
         self._width = 0
 
     def __call__(self, progress: 'Progress') -> None:
-        """
-        Show progress, unless something was shown a moment ago.
-
-        :param progress: the ``Progress``.
-        """
+        """Show progress, unless something was shown a moment ago."""
         now = self._clock()
         if self._first is None and progress.time > self._last_time:
             self._first = now, progress.time
@@ -85,10 +85,7 @@ class ProgressLine:
 
         :param text: how it ended.
         """
-        self._write(f'{self._title}: {text}, {self._clock() - self._started:.1f} s')
-        if self._stream.isatty():
-            self._stream.write('\n')
-            self._stream.flush()
+        self._write(f'{self._title}: {text}, {self._clock() - self._started:.1f} s', is_last=True)
 
     def _speed(self, time: float, now: float) -> str:
         if self._first is None or now - self._first[0] < MIN_TIMED:
@@ -101,13 +98,26 @@ class ProgressLine:
             return ''
         return ' (nodes start and plan; what is used for the first time is compiled: a minute)'
 
-    def _write(self, text: str) -> None:
+    def _write(self, text: str, *, is_last: bool = False) -> None:
         if self._stream.isatty():
-            self._stream.write('\r' + text.ljust(self._width))
+            # What is longer than the window cannot be written over.
+            columns = self._columns()
+            if len(text) > columns and not is_last:
+                text = text[:columns - len(ELLIPSIS)] + ELLIPSIS
+            self._stream.write('\r' + text.ljust(min(self._width, columns)))
             self._width = len(text)
-        else:
-            self._stream.write(text + '\n')
+        if is_last or not self._stream.isatty():
+            self._stream.write('\n' if self._stream.isatty() else text + '\n')
         self._stream.flush()
+
+    def _columns(self) -> int:
+        """Return how many characters fit into a line of the window as it is now."""
+        try:
+            columns = os.get_terminal_size(self._stream.fileno()).columns
+        except OSError:
+            columns = 0
+        # A terminal may not know its size, and may wrap when its last column is written.
+        return max((columns or DEFAULT_COLUMNS) - 1, len(ELLIPSIS))
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -235,7 +245,7 @@ def _play_back(scenario: 'Scenario', bag: Path) -> int:
     from push_scenario.dds.bag_playback import play_back
     result = play_back(scenario, bag)
     print(f'{result.commands} commands, {len(result.differences)} differ')
-    for difference in result.differences[:MOST_DIFFERENCES]:
+    for difference in result.differences[:MAX_DIFFERENCES]:
         print(f'{difference.time:.3f} s: recorded {tuple(difference.recorded)}, '
               f'computed {tuple(difference.computed)}')
     return NOT_AS_EXPECTED if result.differences else AS_EXPECTED
@@ -255,7 +265,8 @@ def _run(scenario: 'Scenario', law: str, options: argparse.Namespace,
                                         planning_time=0.0)
     else:
         result = _run_over_dds(scenario, law, options, show)
-    line.end(result.outcome.value)
+    from push_scenario.evaluation.metrics import bounds_missed, verdict
+    line.end('; '.join([verdict(result), *bounds_missed(result)]))
     if result.tape is not None:
         result.tape.save(options.out / f'{scenario.name}_{law}.csv')
     return result
@@ -264,6 +275,8 @@ def _run(scenario: 'Scenario', law: str, options: argparse.Namespace,
 def _run_over_dds(scenario: 'Scenario', law: str, options: argparse.Namespace,
                   show: Callable[['Progress'], None]) -> 'RunResult':
     # Imported here: everything else works without ROS.
+    from push_scenario.dds.private_network import make_process_private
+    make_process_private()
     try:
         from push_scenario.dds.replay import run_over_dds
     except ModuleNotFoundError as error:

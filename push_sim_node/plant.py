@@ -1,23 +1,25 @@
 """Plant: the true object and the robot that pushes it."""
 
-import dataclasses
 import math
 from typing import Any, Callable, NamedTuple, Sequence
 
 import numpy as np
 from push_dynamics import layout
 from push_dynamics.actuation import limit_command
-from push_dynamics.compiled import interpreted, IS_COMPILED, kernel_array, numbers_of
+from push_dynamics.compiled import interpreted, IS_COMPILED, kernel_array, values_of
 from push_dynamics.encoding import (
-    body_numbers, drive_numbers, encode_velocities, initial_state, NO_OUTLINE, object_pose_of,
+    body_values, drive_values, encode_velocities, initial_state, NO_OUTLINE, object_pose_of,
     object_twist_of, resolve_overlap, robot_pose_of, robot_twist_of, support_rows,
 )
 from push_dynamics.floor import floor_rows, FloorPatch
-from push_dynamics.step import advance
+from push_dynamics.layout import World
+from push_dynamics.step import advance, step_count
 from push_model.friction import check_tipping, has_heights
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import STOP, Twist
+from push_sim_node.drive_imperfections import DriveImperfections
+from push_sim_node.imperfect_drive import ImperfectDrive, is_ideal
 from push_sim_node.tape_row import (
     columns_of, COMMAND, CONTACT, ENERGY, OBJECT, ROBOT, SUPPORTS, write_row,
 )
@@ -52,30 +54,8 @@ def _make_kernel(interpret: bool) -> _Kernel:
     return _Kernel(IS_COMPILED, advance, write_row)
 
 
-@dataclasses.dataclass
-class _KernelArrays:
-    """Arguments of the kernel, see ``push_dynamics.step``."""
-
-    kernel: _Kernel
-    state: Any
-    body: Any
-    supports: Any
-    outline: Any
-    floor: Any
-    forces: Any
-    command: Any
-    drive: Any
-
-    def copy(self) -> '_KernelArrays':
-        """Copy what the kernel writes to."""
-        array = self.kernel.array
-        return dataclasses.replace(self, state=array(self.state), supports=array(self.supports),
-                                   forces=array(self.forces))
-
-    def advance(self, duration: float, longest: float) -> None:
-        """Move state and forces on by a duration, in steps of at most ``longest`` [s]."""
-        self.kernel.advance(self.state, self.body, self.supports, self.outline, self.floor,
-                            self.forces, self.command, self.drive, duration, longest)
+# Lag and limits of a drive that has any velocity at once, in the order of ``layout``.
+IMMEDIATE_DRIVE = (0.0, math.inf, math.inf)
 
 
 class Plant:
@@ -85,8 +65,9 @@ class Plant:
     The object stays flat on the floor. With heights, loads shift from support to support at every
     step, and supports may lift.
 
-    The robot is velocity-controlled: nothing that it touches slows it down. It starts at rest; a
-    robot that overlaps the object by up to 5 mm is moved back along the normal until it touches.
+    The robot is velocity-controlled: nothing that it touches slows it down, unless its wheels
+    slip. It starts at rest; a robot that overlaps the object by up to 5 mm is moved back along the
+    normal until it touches.
 
     :param obj: the true ``PushedObject``.
     :param robot: the true ``RoundRobot``.
@@ -97,6 +78,7 @@ class Plant:
     :param floor: ``FloorPatch`` sequence.
     :param creep: slip of the contact at its friction limit over the distance that the robot's
         surface moves.
+    :param imperfections: ``DriveImperfections`` of the base.
     :param interpret: whether to run it as plain Python, which is ready at once and slower, with
         the same results but for rounding.
     :raises ValueError: where robot and object overlap by more than 5 mm, or where a slow push
@@ -106,6 +88,7 @@ class Plant:
     def __init__(self, obj: PushedObject, robot: RoundRobot, object_pose: Pose, robot_pose: Pose,
                  step: float = 2e-3, smoothing: float = 1e-5, *,
                  floor: Sequence[FloorPatch] = (), creep: float = 0.0,
+                 imperfections: DriveImperfections = DriveImperfections(),
                  interpret: bool = False) -> None:
         check_tipping(obj)
         self._kernel = _make_kernel(interpret)
@@ -116,18 +99,19 @@ class Plant:
         object_pose = Pose(*object_pose)
         robot_pose = resolve_overlap(obj, robot, object_pose, Pose(*robot_pose))
         self._command = STOP
-        self._arrays = _KernelArrays(
-            kernel=self._kernel,
+        self._imperfect_drive = None if is_ideal(robot, imperfections) else ImperfectDrive(
+            robot, imperfections, robot_pose, obj.mass)
+        drive = drive_values(robot) if self._imperfect_drive is None else IMMEDIATE_DRIVE
+        self._world = World(
             state=array(initial_state(obj, object_pose, robot_pose)),
-            body=array(body_numbers(obj, robot, smoothing, creep)),
-            supports=None,
+            body=array(body_values(obj, robot, smoothing, creep)),
+            supports=array(support_rows(obj, obj.capacities, [1.0] * len(obj.supports))),
             outline=array(obj.outline or NO_OUTLINE),
             floor=array(np.reshape(floor_rows(floor), (-1, layout.PATCH_SIZE))),
             forces=array([0.0] * (2 * len(obj.supports))),
-            command=array(STOP),
-            drive=array(drive_numbers(robot)))
+            drive=array(drive),
+            command=array(STOP))
         self._row_size = len(columns_of(obj))
-        self.set_friction_factors([1.0] * len(obj.supports))
         self._compile()
 
     def set_friction_factors(self, factors: Sequence[float]) -> None:
@@ -137,7 +121,7 @@ class Plant:
         :param factors: one factor for each support, of at least 0.
         """
         rows = support_rows(self.obj, self.obj.capacities, factors)
-        self._arrays.supports = self._kernel.array(rows)
+        self._world = self._world._replace(supports=self._kernel.array(rows))
         self._forget_acceleration()
 
     def set_contact_friction(self, coefficient: float) -> None:
@@ -146,7 +130,7 @@ class Plant:
 
         :param coefficient: Coulomb coefficient, of at least 0.
         """
-        self._arrays.body[layout.CONTACT_FRICTION] = coefficient
+        self._world.body[layout.CONTACT_FRICTION] = coefficient
         self._forget_acceleration()
 
     def set_object_pose(self, pose: Pose) -> None:
@@ -162,7 +146,7 @@ class Plant:
             raise ValueError(f'pose: got {tuple(pose)}, expected one beside the robot')
         state = initial_state(self.obj, pose, robot_pose)
         for i in (*range(layout.X, layout.A_OMEGA + 1), layout.PRESSURE_X, layout.PRESSURE_Y):
-            self._arrays.state[i] = state[i]
+            self._world.state[i] = state[i]
 
     def stand_at(self, object_pose: Pose, robot_pose: Pose) -> None:
         """
@@ -173,7 +157,7 @@ class Plant:
         """
         state = initial_state(self.obj, Pose(*object_pose), Pose(*robot_pose))
         for i in range(layout.X, layout.TANGENTIAL_FORCE + 1):
-            self._arrays.state[i] = state[i]
+            self._world.state[i] = state[i]
 
     def set_velocities(self, object_twist: Twist, robot_twist: Twist) -> None:
         """
@@ -182,7 +166,7 @@ class Plant:
         :param object_twist: velocity of the object frame's origin, world axes.
         :param robot_twist: velocity of the robot, own axes.
         """
-        encode_velocities(self._arrays.state, self.obj.center_of_mass, object_twist, robot_twist)
+        encode_velocities(self._world.state, self.obj.center_of_mass, object_twist, robot_twist)
         self._forget_acceleration()
 
     def advance(self, duration: float, command: Twist = STOP) -> None:
@@ -195,31 +179,66 @@ class Plant:
         """
         if not (math.isfinite(duration) and duration > 0.0):
             raise ValueError(f'duration: got {duration!r}, expected a finite time above 0 [s]')
+        if self._imperfect_drive is None:
+            self._follow(duration, command)
+            return
+        self._imperfect_drive.command(limit_command(self.robot, command))
+        count = step_count(duration, self.step)
+        for _ in range(count):
+            velocity = self._imperfect_drive.step(duration / count, self._force_on_robot())
+            self._follow(duration / count, velocity)
+
+    def _follow(self, duration: float, command: Twist) -> None:
+        """Move on while the drive, with its lag and limits, follows a command."""
         if command != self._command:
-            self._arrays.command = self._kernel.array(limit_command(self.robot, command))
+            self._world = self._world._replace(
+                command=self._kernel.array(limit_command(self.robot, command)))
             self._command = command
-            self._forget_acceleration()
-        self._arrays.advance(duration, self.step)
+            if self._imperfect_drive is None:
+                self._forget_acceleration()
+        self._kernel.advance(self._world, duration, self.step)
+
+    def _force_on_robot(self) -> tuple[float, float]:
+        """Return the force of the object on the robot in the last step, own axes [N]."""
+        if self._number(layout.NORMAL_FORCE) == 0.0:
+            return 0.0, 0.0
+        truth = self.truth(0.0)
+        c, s = math.cos(truth.normal), math.sin(truth.normal)
+        force = s * truth.force_t - c * truth.force_n, -s * truth.force_n - c * truth.force_t
+        x, y = Pose(0.0, 0.0, -self.robot_pose.theta).rotate(force)
+        return float(x), float(y)
 
     @property
     def object_pose(self) -> Pose:
         """Pose of the object frame in the world; the angle is not wrapped."""
-        return object_pose_of(self._arrays.state, self.obj.center_of_mass)
+        return object_pose_of(self._world.state, self.obj.center_of_mass)
 
     @property
     def object_twist(self) -> Twist:
         """Velocity of the object frame's origin, world axes, and yaw rate."""
-        return object_twist_of(self._arrays.state, self.obj.center_of_mass)
+        return object_twist_of(self._world.state, self.obj.center_of_mass)
 
     @property
     def robot_pose(self) -> Pose:
         """Pose of the robot in the world; the angle is not wrapped."""
-        return robot_pose_of(self._arrays.state)
+        return robot_pose_of(self._world.state)
 
     @property
     def robot_twist(self) -> Twist:
         """Velocity of the robot, own axes."""
-        return robot_twist_of(self._arrays.state)
+        return robot_twist_of(self._world.state)
+
+    @property
+    def odometry_pose(self) -> Pose:
+        """Pose of the robot by what its wheels turned; the angle is not wrapped."""
+        drive = self._imperfect_drive
+        return self.robot_pose if drive is None else drive.odometry_pose
+
+    @property
+    def odometry_twist(self) -> Twist:
+        """Velocity of the robot by what its wheels turn, own axes."""
+        drive = self._imperfect_drive
+        return self.robot_twist if drive is None else drive.odometry_twist
 
     @property
     def mode(self) -> ContactMode:
@@ -239,7 +258,7 @@ class Plant:
     @property
     def energy(self) -> Energy:
         """``Energy`` since the start."""
-        return Energy(*numbers_of(self.row(0.0))[ENERGY:SUPPORTS])
+        return Energy(*values_of(self.row(0.0))[ENERGY:SUPPORTS])
 
     def row(self, time: float, command: Twist = STOP) -> Any:
         """
@@ -249,9 +268,8 @@ class Plant:
         :param command: ``Twist`` that the robot has.
         :return: numbers by ``columns_of`` the object, as the kernel lays them out.
         """
-        arrays = self._arrays
         row = self._kernel.empty(self._row_size)
-        self._kernel.write_row(row, arrays.state, arrays.body, arrays.outline, arrays.forces)
+        self._kernel.write_row(row, self._world)
         row[0] = time
         row[COMMAND:COMMAND + 3] = command
         if has_heights(self.obj):
@@ -263,10 +281,9 @@ class Plant:
         Sample everything at once.
 
         :param time: simulated time that the sample carries [s].
-        :return: ``Truth``.
         """
         # Numbers of a list are read several times faster than those of an array.
-        row = numbers_of(self.row(time))
+        row = values_of(self.row(time))
         mode, force_n, force_t, gap, pushing_angle, x, y, normal = row[CONTACT:ENERGY]
         forces = row[SUPPORTS:SUPPORTS + 2 * len(self.obj.supports)]
         return Truth(
@@ -290,7 +307,7 @@ class Plant:
     def _support_loads(self) -> tuple[float, ...]:
         """Loads on all supports [N]."""
         return tuple(load * float(support[layout.LOAD_RATIO])
-                     for load, support in zip(self.obj.loads, self._arrays.supports))
+                     for load, support in zip(self.obj.loads, self._world.supports))
 
     def _compile(self) -> None:
         # Seconds where no machine code is kept on disk: better here than while time runs.
@@ -299,12 +316,15 @@ class Plant:
                                                for function in functions):
             return
         self.truth(0.0)
-        self._arrays.copy().advance(self.step, self.step)
+        world, array = self._world, self._kernel.array
+        copy = world._replace(state=array(world.state), supports=array(world.supports),
+                              forces=array(world.forces))
+        self._kernel.advance(copy, self.step, self.step)
 
     def _forget_acceleration(self) -> None:
         # What has changed at once makes the acceleration of the last step a bad prediction.
         for i in (layout.A_X, layout.A_Y, layout.A_OMEGA):
-            self._arrays.state[i] = 0.0
+            self._world.state[i] = 0.0
 
     def _number(self, index: int) -> float:
-        return float(self._arrays.state[index])
+        return float(self._world.state[index])

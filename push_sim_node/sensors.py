@@ -8,14 +8,14 @@ import numpy as np
 from push_dynamics import actuation
 from push_dynamics.compiled import interpreted
 from push_model.geometry import Pose, wrap_angle
-from push_model.quantity import check, LEAST_NOISE, quantity
+from push_model.quantity import check, MIN_NOISE, quantity
 from push_model.signals import (
     ObjectPose, Odometry, OdometryReference, PoseCovariance, Twist,
 )
 
 # Deviation that odometry states where the settings have less [m, rad, m/s, rad/s]: chosen, as
 # encoders resolve it. A variance of 0 would count as not stated.
-LEAST_DEVIATION = 1e-3
+MIN_DEVIATION = 1e-3
 # One call is not worth compiling it.
 chord_velocity = interpreted(actuation.chord_velocity)
 
@@ -31,60 +31,43 @@ class SensorSettings:
 
     pose_rate: float = quantity('rate of object poses', 'Hz', above=0.0, high=1000.0,
                                 default=20.0)
-    pose_noise: float = quantity('standard deviation of the object position, along each axis',
-                                 'm', 0.0, 1.0, default=0.0)
-    pose_heading_noise: float = quantity('standard deviation of the object orientation', 'rad',
-                                         0.0, 1.0, default=0.0)
-    pose_latency: float = quantity('time from measuring an object pose to its delivery', 's', 0.0,
-                                   5.0, default=0.0)
-    pose_drop_probability: float = quantity('probability that an object pose is lost', '', 0.0,
-                                            1.0, default=0.0)
-    pose_dropouts: tuple[tuple[float, float], ...] = quantity(
-        'intervals (start, end) of measuring times without an object pose', 's', 0.0, default=())
-    pose_bias: float = quantity('largest error of the position that depends on the side from '
-                                'which the robot sees the object', 'm', 0.0, 1.0, default=0.0)
-    pose_heading_bias: float = quantity(
-        'largest error of the orientation that depends on the side from which the robot sees the '
-        'object', 'rad', 0.0, 1.0, default=0.0)
-    pose_jump_probability: float = quantity('probability that an object pose is far off', '', 0.0,
-                                            1.0, default=0.0)
-    pose_jump: float = quantity(
-        'standard deviation of the position error of an object pose that is far off, along each '
-        'axis', 'm', 0.0, 10.0, default=0.0)
-    pose_heading_jump: float = quantity(
-        'standard deviation of the orientation error of an object pose that is far off', 'rad',
-        0.0, math.pi, default=0.0)
+    pose_noise: float = quantity('position std per axis', 'm', 0.0, 1.0, default=0.0)
+    pose_heading_noise: float = quantity('heading std', 'rad', 0.0, 1.0, default=0.0)
+    pose_latency: float = quantity('delay from measurement to delivery', 's', 0.0, 5.0,
+                                   default=0.0)
+    pose_drop_probability: float = quantity('probability that a pose is lost', '', 0.0, 1.0,
+                                            default=0.0)
+    pose_dropouts: tuple[tuple[float, float], ...] = quantity('intervals (start, end) without '
+                                                              'poses', 's', 0.0, default=())
+    pose_bias: float = quantity("largest position error that depends on the robot's side", 'm',
+                                0.0, 1.0, default=0.0)
+    pose_heading_bias: float = quantity("largest heading error that depends on the robot's side",
+                                        'rad', 0.0, 1.0, default=0.0)
+    pose_jump_probability: float = quantity('probability of an outlier', '', 0.0, 1.0, default=0.0)
+    pose_jump: float = quantity('position std of outliers per axis', 'm', 0.0, 10.0, default=0.0)
+    pose_heading_jump: float = quantity('heading std of outliers', 'rad', 0.0, math.pi,
+                                        default=0.0)
     odometry_rate: float = quantity('rate of odometry', 'Hz', above=0.0, high=1000.0,
                                     default=50.0)
     odometry_reference: OdometryReference = quantity(
-        "pose of odometry: drifting (the robot's motion is summed up, with its errors) or "
-        'absolute (measured in the world, as by motion capture, with noise and a covariance that '
-        'states it)',
+        'drifting: summed motion; absolute: measured in the world',
         choices=get_args(OdometryReference), default='drifting')
-    odometry_position_noise: float = quantity(
-        'standard deviation of the robot position where odometry is absolute, along each axis',
-        'm', LEAST_NOISE, 0.5, default=1e-3)
-    odometry_heading_noise: float = quantity(
-        'standard deviation of the robot heading where odometry is absolute', 'rad', LEAST_NOISE,
-        0.1, default=2e-3)
-    odometry_scale: float = quantity('relative error of the distance travelled', '', -0.5, 0.5,
-                                     default=0.0)
-    odometry_scale_noise: float = quantity(
-        'standard deviation, from run to run, of the relative error of the distance travelled', '',
-        0.0, 0.5, default=0.0)
-    odometry_yaw_scale: float = quantity('relative error of the angle rotated', '', -0.5, 0.5,
-                                         default=0.0)
-    odometry_heading_drift: float = quantity('heading error per distance travelled', 'rad/m',
-                                             -1.0, 1.0, default=0.0)
-    odometry_heading_drift_noise: float = quantity(
-        'standard deviation, from run to run, of the heading error per distance travelled',
-        'rad/m', 0.0, 1.0, default=0.0)
-    odometry_heading_offset: float = quantity('error of the heading that odometry starts with',
-                                              'rad', -math.pi, math.pi, default=0.0)
-    odometry_speed_noise: float = quantity('standard deviation of the measured velocity, along '
-                                           'each axis', 'm/s', 0.0, 1.0, default=0.0)
-    odometry_yaw_rate_noise: float = quantity('standard deviation of the measured yaw rate',
-                                              'rad/s', 0.0, 1.0, default=0.0)
+    odometry_position_noise: float = quantity('position std per axis, if absolute', 'm', MIN_NOISE,
+                                              0.5, default=1e-3)
+    odometry_heading_noise: float = quantity('heading std, if absolute', 'rad', MIN_NOISE, 0.1,
+                                             default=2e-3)
+    odometry_scale: float = quantity('relative error of distances', '', -0.5, 0.5, default=0.0)
+    odometry_scale_noise: float = quantity('std of odometry_scale from run to run', '', 0.0, 0.5,
+                                           default=0.0)
+    odometry_yaw_scale: float = quantity('relative error of rotations', '', -0.5, 0.5, default=0.0)
+    odometry_heading_drift: float = quantity('heading error per distance', 'rad/m', -1.0, 1.0,
+                                             default=0.0)
+    odometry_heading_drift_noise: float = quantity('std of odometry_heading_drift from run to run',
+                                                   'rad/m', 0.0, 1.0, default=0.0)
+    odometry_heading_offset: float = quantity('heading error at the start', 'rad', -math.pi,
+                                              math.pi, default=0.0)
+    odometry_speed_noise: float = quantity('velocity std per axis', 'm/s', 0.0, 1.0, default=0.0)
+    odometry_yaw_rate_noise: float = quantity('yaw rate std', 'rad/s', 0.0, 1.0, default=0.0)
 
     def __post_init__(self) -> None:
         """Validate the fields."""
@@ -155,11 +138,7 @@ class PoseSensor:
         self._bias = ViewBias(settings, outliers)
 
     def set_settings(self, settings: SensorSettings) -> None:
-        """
-        Measure with other noise, losses and jumps from now on; the bias by view stays.
-
-        :param settings: ``SensorSettings``.
-        """
+        """Measure with other noise, losses and jumps from now on; the bias by view stays."""
         self._settings = settings
 
     def measure(self, time: float, pose: Pose, bearing: float = 0.0,
@@ -168,7 +147,6 @@ class PoseSensor:
         Take one measurement.
 
         :param time: now [s].
-        :param pose: true ``Pose`` of the object.
         :param bearing: direction from the object to the robot, in the object frame [rad].
         :param certain: whether it is delivered in any case.
         :return: ``ObjectPose`` with its orientation in [-pi, pi], or None where it is lost.
@@ -220,11 +198,7 @@ class DriftCovariance:
         self._by_rotation = self._by_distance = 0.0, 0.0, 0.0
 
     def set_settings(self, settings: SensorSettings) -> None:
-        """
-        Take errors to be others, those of the motion so far too.
-
-        :param settings: ``SensorSettings``.
-        """
+        """Take errors to be others, those of the motion so far too."""
         deviations = (math.hypot(settings.odometry_scale, settings.odometry_scale_noise),
                       settings.odometry_yaw_scale,
                       math.hypot(settings.odometry_heading_drift,
@@ -250,7 +224,7 @@ class DriftCovariance:
     @property
     def covariance(self) -> PoseCovariance:
         """``PoseCovariance`` after the motion so far."""
-        least = LEAST_DEVIATION ** 2
+        least = MIN_DEVIATION ** 2
         x_x, x_y, x_theta, y_y, y_theta, theta_theta = least, 0.0, 0.0, least, 0.0, least
         moved_x, moved_y = self._moved
         errors = ((moved_x, moved_y, 0.0), self._by_rotation, self._by_distance,
@@ -292,11 +266,7 @@ class OdometrySensor:
         self.set_settings(settings)
 
     def set_settings(self, settings: SensorSettings) -> None:
-        """
-        Measure with other errors from now on; what has been summed up stays.
-
-        :param settings: ``SensorSettings``.
-        """
+        """Measure with other errors from now on; what has been summed up stays."""
         scale, drift = self._draws
         self._settings = settings
         self._scale = 1.0 + settings.odometry_scale + settings.odometry_scale_noise * scale

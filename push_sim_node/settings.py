@@ -5,6 +5,7 @@ import dataclasses
 from push_dynamics.floor import FloorPatch
 from push_model.quantity import check, quantity
 from push_sim_node.disturbance import FrictionChange, ObjectDisplacement
+from push_sim_node.drive_imperfections import DriveImperfections
 
 
 @dataclasses.dataclass(frozen=True)
@@ -14,11 +15,10 @@ class SimulationSettings:
     step: float = quantity('longest step of the plant', 's', 1e-5, 0.05, default=2e-3)
     friction_smoothing: float = quantity('speed below which support friction turns viscous',
                                          'm/s', 1e-9, 1e-2, default=1e-5)
-    contact_creep: float = quantity('slip of a sticking contact over the distance that the robot '
-                                    'pushes, at the friction limit; less in proportion to the '
-                                    'tangential force', '', 0.0, 0.5, default=0.0)
-    command_timeout: float = quantity('simulated time without a command after which the robot '
-                                      'stops', 's', above=0.0, high=60.0, default=0.5)
+    contact_creep: float = quantity('slip of a sticking contact per distance, at the friction '
+                                    'limit', '', 0.0, 0.5, default=0.0)
+    command_timeout: float = quantity('simulated time without commands before a stop', 's',
+                                      above=0.0, high=60.0, default=0.5)
     seed: int = quantity('seed of all random errors', '', 0, default=0)
     friction_changes: tuple[FrictionChange, ...] = quantity('intervals of other support friction',
                                                             default=())
@@ -26,6 +26,7 @@ class SimulationSettings:
                                                      default=())
     object_displacements: tuple[ObjectDisplacement, ...] = quantity(
         'displacements of the object by a person', default=())
+    drive: DriveImperfections = DriveImperfections()
 
     def __post_init__(self) -> None:
         """Validate the fields."""

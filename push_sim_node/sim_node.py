@@ -99,12 +99,12 @@ class SimNode(PushNode):
 
     def poll(self) -> bool:
         """Handle what has come, and what is due; tell whether anything has come."""
-        found = super().poll()
+        has_message = super().poll()
         now = time.monotonic()
         if now >= self._wake_time:
             self._wake_time = now + STATE_PERIOD
             self._tick(now)
-        return found
+        return has_message
 
     def now(self) -> Time:
         """Return the simulated time, or where it is not the node's own, the time of its clock."""
@@ -123,7 +123,9 @@ class SimNode(PushNode):
             'latencies': self._latencies}), encoding='utf-8')
 
     def _hold(self, object_pose: Pose | None = None) -> None:
+        reached = self._simulation.time
         self._simulation.reset(object_pose)
+        self._outputs.keep_clock(reached)
         self._first_measurements = [self._simulation.next_measurement(),
                                     self._simulation.next_measurement()]
         self._simulation.reset(object_pose)

@@ -154,7 +154,8 @@ class Simulation:
         self.plant = self._plant_type(
             self.obj, self.robot, object_start, robot_start, settings.step,
             settings.friction_smoothing, floor=settings.floor_patches,
-            creep=settings.contact_creep, interpret=self._interpret)
+            creep=settings.contact_creep, imperfections=settings.drive,
+            interpret=self._interpret)
         # A stream for each error, so that none depends on how often another is drawn.
         pose_noise, losses, biases, twist_noise, odometry_noise, outliers = (
             np.random.default_rng(seed)
@@ -193,11 +194,7 @@ class Simulation:
         return self.plant.truth(self.time)
 
     def set_sensors(self, sensors: SensorSettings) -> None:
-        """
-        Measure with other errors, rates and latency from the next measurements on.
-
-        :param sensors: ``SensorSettings``.
-        """
+        """Measure with other errors, rates and latency from the next measurements on."""
         self.sensors = sensors
         self._pose_sensor.set_settings(sensors)
         self._odometry_sensor.set_settings(sensors)
@@ -234,8 +231,9 @@ class Simulation:
         self._events.schedule(_nanoseconds(number / self.sensors.odometry_rate),
                               _EventKind.MEASURE_ODOMETRY, number)
         self.rows.append(self.plant.row(self.time, self._active_command()))
-        return self._odometry_sensor.measure(self.time, self.plant.robot_pose,
-                                             self.plant.robot_twist)
+        is_absolute = self.sensors.odometry_reference == 'absolute'
+        pose = self.plant.robot_pose if is_absolute else self.plant.odometry_pose
+        return self._odometry_sensor.measure(self.time, pose, self.plant.odometry_twist)
 
     def _measure_pose(self, event: _Event) -> None:
         number = event.number + 1

@@ -89,7 +89,6 @@ class Tape:
         Read a tape that ``save`` wrote.
 
         :param path: the file.
-        :return: ``Tape``.
         :raises ValueError: naming the file and the line that is wrong.
         """
         with open(path, newline='', encoding='utf-8') as file:

@@ -10,13 +10,14 @@ from typing import Any
 
 from push_dynamics import layout
 from push_dynamics.compiled import compiled
-from push_dynamics.contact_law import nearest_points, surface_velocity
+from push_dynamics.contact_law import nearest_points, surface_velocity, Velocity
 from push_dynamics.layout import (
     COM_X, COM_Y, DISC_RADIUS, INERTIA, MASS, MODE, NORMAL_FORCE, OMEGA, ROBOT_OMEGA,
     ROBOT_RADIUS, ROBOT_THETA, ROBOT_V_X, ROBOT_V_Y, ROBOT_X, ROBOT_Y, SEPARATE, TANGENTIAL_FORCE,
-    THETA, V_X, V_Y, X, Y,
+    THETA, V_X, V_Y, World, X, Y,
 )
 from push_model.friction import has_heights
+from push_model.geometry import Pose
 from push_model.parameters import PushedObject
 from push_sim_node.truth import Energy
 
@@ -38,8 +39,6 @@ def columns_of(obj: PushedObject) -> tuple[str, ...]:
     List the columns of a tape: ``COLUMNS``, then the friction on each support.
 
     The loads of the supports follow where pushes shift them.
-
-    :param obj: the ``PushedObject``.
     """
     supports = range(len(obj.supports))
     columns = COLUMNS + tuple(f'support_{i}_{axis}' for i in supports for axis in 'xy')
@@ -49,21 +48,18 @@ def columns_of(obj: PushedObject) -> tuple[str, ...]:
 
 
 @compiled
-def write_row(row: Any, state: Any, body: Any, outline: Any, forces: Any) -> None:
+def write_row(row: Any, world: World) -> None:
     """
     Write a row of a tape, but for time, command and loads of the supports.
 
     :param row: numbers by the columns, is written.
-    :param state: of the kernel, see ``push_dynamics.step``, as are the following.
-    :param body: object and robot.
-    :param outline: of the object [m].
-    :param forces: friction on each support [N].
     """
+    state, body, forces = world.state, world.body, world.forces
     write_object(row, state, body)
     for i in range(3):
         row[ROBOT + i] = state[ROBOT_X + i]
         row[ROBOT + 3 + i] = state[ROBOT_V_X + i]
-    write_contact(row, state, body, outline)
+    write_contact(row, world)
     write_energies(row, state, body)
     for i in range(len(forces)):
         row[SUPPORTS + i] = forces[i]
@@ -89,18 +85,17 @@ def write_object(row: Any, state: Any, body: Any) -> None:
 
 
 @compiled
-def write_contact(row: Any, state: Any, body: Any, outline: Any) -> None:
+def write_contact(row: Any, world: World) -> None:
     """
     Write mode, forces, gap, pushing angle, place and normal of the contact.
 
     :param row: is written, the pose of the object is read.
-    :param state: of the kernel.
-    :param body: object and robot.
-    :param outline: of the object [m].
     """
+    state, body = world.state, world.body
+    robot = Pose(state[ROBOT_X], state[ROBOT_Y], state[ROBOT_THETA])
     nearest = nearest_points(
-        outline, body[DISC_RADIUS], body[ROBOT_RADIUS], row[OBJECT], row[OBJECT + 1],
-        row[OBJECT + 2], state[ROBOT_X], state[ROBOT_Y], state[ROBOT_THETA])
+        world.outline, body[DISC_RADIUS], body[ROBOT_RADIUS],
+        Pose(row[OBJECT], row[OBJECT + 1], row[OBJECT + 2]), robot)
     row[CONTACT] = state[MODE]
     row[CONTACT + 1] = state[NORMAL_FORCE]
     row[CONTACT + 2] = state[TANGENTIAL_FORCE]
@@ -111,11 +106,11 @@ def write_contact(row: Any, state: Any, body: Any, outline: Any) -> None:
     row[CONTACT + 7] = math.atan2(nearest.n_y, nearest.n_x)
     if state[MODE] == SEPARATE:
         return
-    c, s = math.cos(state[ROBOT_THETA]), math.sin(state[ROBOT_THETA])
+    c, s = math.cos(robot.theta), math.sin(robot.theta)
     v_x, v_y = state[ROBOT_V_X], state[ROBOT_V_Y]
     normal, tangential = surface_velocity(
-        body[ROBOT_RADIUS], nearest.n_x, nearest.n_y, nearest.x - state[ROBOT_X],
-        nearest.y - state[ROBOT_Y], c * v_x - s * v_y, s * v_x + c * v_y, state[ROBOT_OMEGA])
+        body[ROBOT_RADIUS], nearest, robot,
+        Velocity(c * v_x - s * v_y, s * v_x + c * v_y, state[ROBOT_OMEGA]))
     if normal != 0.0 or tangential != 0.0:
         row[CONTACT + 4] = math.atan2(tangential, normal)
 

@@ -3,7 +3,7 @@
 import math
 
 import numpy as np
-from push_control.push.controller import Controller
+from push_control.perception.perception import TaskPerception
 from push_control.task.supervisor import Supervisor
 from push_model.parameters import PushedObject
 from push_sim_node.simulation import Simulation
@@ -23,48 +23,45 @@ FRICTION_STRIDE = 5
 
 
 def belief_columns(obj: PushedObject) -> tuple[str, ...]:
-    """
-    Name the columns of what is believed of an object.
-
-    :param obj: the ``PushedObject``.
-    """
+    """Name the columns of what is believed of an object."""
     return BELIEF_COLUMNS + tuple(f'believed_friction_{i}' for i in range(len(obj.supports)))
 
 
-def believed_poses(controller: Controller | Supervisor) -> tuple[float, ...]:
+def believed_poses(supervisor: Supervisor) -> tuple[float, ...]:
     """
     Look up where object and robot are believed to be.
 
-    :param controller: of a single push, or of a task.
     :return: (x, y, theta) of the object, then of the robot [m, m, rad]; nan before the first
         measurements.
     """
     unknown = (math.nan,) * 3
-    if isinstance(controller, Controller):
-        return (*controller.status.object_pose, *controller.status.robot_pose)
-    estimate, robot_pose = controller.object_estimate, controller.status.robot_pose
+    status, estimate = supervisor.status, supervisor.object_estimate
+    if not isinstance(supervisor.perception, TaskPerception):
+        return (*status.push.object_pose, *status.push.robot_pose)
+    robot_pose = status.robot_pose
     return (*(unknown if estimate is None else estimate.pose),
             *(unknown if robot_pose is None else robot_pose))
 
 
-def believed_friction(controller: Controller | Supervisor, count: int) -> tuple[float, ...]:
+def believed_friction(supervisor: Supervisor, count: int) -> tuple[float, ...]:
     """
     Look up friction as identified.
 
-    :param controller: of a single push, or of a task.
     :param count: number of supports.
     :return: the columns behind the poses; nan where nothing is known.
     """
-    if isinstance(controller, Controller):
-        return (*controller.status.friction_center, *(math.nan,) * (count + 4))
-    if controller.object_estimate is None:
+    perception = supervisor.perception
+    if not isinstance(perception, TaskPerception):
+        return (*supervisor.status.push.friction_center, *(math.nan,) * (count + 4))
+    if perception.object_estimate is None:
         return (math.nan,) * (count + 6)
-    xx, xy, yy = controller.friction_center_covariance
+    localization = perception.localization
+    xx, xy, yy = localization.friction_center_covariance
     variances, axes = np.linalg.eigh(np.array([[xx, xy], [xy, yy]]))
     minor, major = np.sqrt(np.maximum(variances, 0.0)).tolist()
     angle = math.atan2(axes[1, 1], axes[0, 1])
-    obj = controller.identified_object
-    return (*controller.knowledge.friction_center, major, minor, angle,
+    obj = localization.obj
+    return (*localization.knowledge.friction_center, major, minor, angle,
             obj.contact_friction_coefficient,
             *(support.friction_coefficient for support in obj.supports))
 
@@ -81,18 +78,17 @@ class BeliefSampler:
         self._friction: tuple[float, ...] = ()
         self._friction_row = -FRICTION_STRIDE
 
-    def sample(self, row: int, controller: Controller | Supervisor) -> tuple[float, ...]:
+    def sample(self, row: int, supervisor: Supervisor) -> tuple[float, ...]:
         """
         Look up what is believed now.
 
         :param row: number of the row of the tape; one that is lower than before is of another run.
-        :param controller: the ``Controller`` of a single push, or the ``Supervisor`` of a task.
         :return: numbers in the order of ``belief_columns``.
         """
         if not self._friction_row <= row < self._friction_row + FRICTION_STRIDE:
             self._friction_row = row
-            self._friction = believed_friction(controller, self._count)
-        return believed_poses(controller) + self._friction
+            self._friction = believed_friction(supervisor, self._count)
+        return believed_poses(supervisor) + self._friction
 
 
 class BeliefRecorder:
@@ -107,16 +103,11 @@ class BeliefRecorder:
         self._sampler = BeliefSampler(len(obj.supports))
         self._rows: dict[int, tuple[float, ...]] = {}
 
-    def __call__(self, simulation: Simulation, controller: Controller | Supervisor) -> None:
-        """
-        Take down what is believed after the last measurement.
-
-        :param simulation: the ``Simulation``.
-        :param controller: the ``Controller`` of a single push, or the ``Supervisor`` of a task.
-        """
+    def __call__(self, simulation: Simulation, supervisor: Supervisor) -> None:
+        """Take down what is believed after the last measurement."""
         row = len(simulation.rows) - 1
         if row not in self._rows:
-            self._rows[row] = self._sampler.sample(row, controller)
+            self._rows[row] = self._sampler.sample(row, supervisor)
 
     def row(self, number: int) -> tuple[float, ...]:
         """

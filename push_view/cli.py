@@ -17,7 +17,7 @@ from push_view.live.live_session import LiveSession
 
 DEMO = 'task_demo'
 PORT = 8642  # chosen: not registered for anything
-GREATEST_PORT = 65535
+MAX_PORT = 65535
 LOCAL = '127.0.0.1'
 DONE, MISUSE = 0, 2
 
@@ -57,9 +57,9 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _port(text: str) -> int:
-    if not text.isdecimal() or int(text) > GREATEST_PORT:
+    if not text.isdecimal() or int(text) > MAX_PORT:
         raise argparse.ArgumentTypeError(
-            f'got {text!r}, expected a number from 0 to {GREATEST_PORT}')
+            f'got {text!r}, expected a number from 0 to {MAX_PORT}')
     return int(text)
 
 

@@ -20,7 +20,7 @@ from push_model.parameters import PushedObject, RoundRobot
 from push_model.trajectory import PushTrajectory
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.path import Path
-from push_planner.sequence.planner import TaskPlan
+from push_planner.task_planner import TaskPlan
 from push_scenario.definition.floor_map import FREE, OCCUPIED
 from push_scenario.definition.scenario import Bounds, Scenario
 from push_view.wall_contact import WallContact
@@ -40,8 +40,6 @@ def scene_message(title: str, obj: PushedObject, robot: RoundRobot, columns: Seq
     Describe what there is; a scene starts a new run.
 
     :param title: of the run.
-    :param obj: the nominal ``PushedObject``.
-    :param robot: the nominal ``RoundRobot``.
     :param columns: names of the columns of its rows.
     :param description: what the run shows, a sentence or more.
     :param law: control law of the run.
@@ -59,7 +57,6 @@ def scenario_message(scenario: Scenario, law: str, columns: Sequence[str]) -> Me
     """
     Describe what there is in a scenario.
 
-    :param scenario: the ``Scenario``.
     :param law: control law of the run.
     :param columns: names of the columns of its rows.
     """
@@ -69,11 +66,7 @@ def scenario_message(scenario: Scenario, law: str, columns: Sequence[str]) -> Me
 
 
 def object_values(obj: PushedObject) -> Message:
-    """
-    Describe an object by its nominal parameters.
-
-    :param obj: the ``PushedObject``.
-    """
+    """Describe an object by its nominal parameters."""
     return {'outline': [rounded(vertex) for vertex in obj.outline], 'radius': obj.radius,
             'mass': obj.mass,
             'supports': [rounded((support.x, support.y)) for support in obj.supports],
@@ -83,11 +76,7 @@ def object_values(obj: PushedObject) -> Message:
 
 
 def robot_values(robot: RoundRobot) -> Message:
-    """
-    Describe a robot.
-
-    :param robot: the ``RoundRobot``.
-    """
+    """Describe a robot."""
     return {'radius': robot.radius, 'drive': robot.drive}
 
 
@@ -105,7 +94,6 @@ def truth_message(time: float, obj: PushedObject) -> Message:
     State the true friction from a time on.
 
     :param time: [s].
-    :param obj: the true ``PushedObject``.
     """
     return {'type': 'truth', 'time': _rounded_number(time),
             'friction': [round(support.friction_coefficient, DECIMALS)
@@ -125,11 +113,7 @@ def goal_message(time: float, pose: Coordinates) -> Message:
 
 
 def state_message(change: StateChange) -> Message:
-    """
-    Report a change of state.
-
-    :param change: the ``StateChange``.
-    """
+    """Report a change of state."""
     return {'type': 'state', 'time': _rounded_number(change.time), 'state': change.state.value,
             'reason': change.reason, 'requested': change.is_requested}
 
@@ -155,7 +139,6 @@ def collision_message(time: float, contact: WallContact) -> Message:
     Show where something touches a wall.
 
     :param time: [s].
-    :param contact: the ``WallContact``.
     """
     return {'type': 'collision', 'time': _rounded_number(time), 'body': contact.body.value,
             'point': rounded(contact.point)}
@@ -166,7 +149,6 @@ def push_message(time: float, trajectory: PushTrajectory) -> Message:
     Show the plan of a single push.
 
     :param time: from which on it holds [s].
-    :param trajectory: the ``PushTrajectory``.
     """
     picked = np.unique(np.linspace(0, len(trajectory.times) - 1, PLAN_SAMPLES).astype(int))
     return {'type': 'plan', 'time': _rounded_number(time),
@@ -181,18 +163,17 @@ def plan_message(time: float, plan: TaskPlan) -> Message:
     Show the plan of a task: its first push, the path to it, and about what follows.
 
     :param time: from which on it holds [s].
-    :param plan: the ``TaskPlan``.
     """
+    later = () if plan.remaining is None else plan.remaining.pushes
     return {**push_message(time, plan.trajectory),
             'approach': path_points(plan.approach_path),
-            'later': [rounded(push.end) for push in plan.pushes[1:]]}
+            'later': [rounded(push.end) for push in later]}
 
 
 def path_points(path: Path) -> list[list[float | None]]:
     """
     Sample the path of a robot.
 
-    :param path: the ``Path``.
     :return: (x, y, theta) of each sample.
     """
     fractions: FloatArray = np.linspace(0.0, 1.0, PLAN_SAMPLES // 4).astype(np.float64)
@@ -204,7 +185,6 @@ def displacement_message(time: float, before: Pose, after: Pose) -> Message:
     Report that somebody has moved the object.
 
     :param time: [s].
-    :param before: ``Pose`` of the object.
     :param after: its ``Pose`` then.
     """
     return {'type': 'displacement', 'time': _rounded_number(time), 'before': rounded(before),

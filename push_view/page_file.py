@@ -25,8 +25,7 @@ def page_html(title: str, document: Message | None = None) -> str:
 
     :param title: of the page.
     :param document: for a report ``runs``, a list of mappings with ``name`` and ``messages``, and
-        ``table``, the lines of a table; for one of a batch see ``batch_report``; None for a page
-        that asks the server it came from.
+        ``table``, the lines of a table; None for a page that asks the server it came from.
     :return: HTML.
     """
     text = page_source('index.html')

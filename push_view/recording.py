@@ -2,10 +2,10 @@
 
 from collections.abc import Iterator
 import dataclasses
-import re
 
 from push_control.task.status import TaskState
 from push_model.geometry import Pose
+from push_scenario.evaluation.metrics import bounds_missed, verdict
 from push_scenario.evaluation.report import report_notes
 from push_scenario.simulation.result import RunResult
 from push_sim_node.disturbance import change_times, friction_factors
@@ -18,25 +18,15 @@ from push_view.messages import (
 from push_view.wall_contact import WallContactDetector
 
 
-# Columns of the tape that the page does not show.
-HIDDEN_COLUMNS = re.compile(
-    r'object_(v_x|v_y|omega)|robot_omega|command_\w+|mode|pushing_angle|energy_\w+|support_\w+')
-
-
-def recording(result: RunResult, beliefs: BeliefRecorder | None = None, *,
-              only_shown: bool = False) -> list[Message]:
+def recording(result: RunResult, beliefs: BeliefRecorder | None = None) -> list[Message]:
     """
     Turn a run into messages.
 
-    :param result: the ``RunResult``.
     :param beliefs: what the robot believed in it, where that was recorded.
-    :param only_shown: leave out what the page does not show of the tape.
     :return: messages: the scene first, then the rest, each kind in order of time. One of a goal
         that was refused has no rows.
     """
     scenario, tape = result.scenario, result.tape
-    if tape is not None and only_shown:
-        tape = _shown(tape)
     columns = () if tape is None else tape.columns
     if beliefs is not None:
         columns = (*columns, *beliefs.columns)
@@ -53,14 +43,10 @@ def recording(result: RunResult, beliefs: BeliefRecorder | None = None, *,
         messages += _collisions(result, tape)
         messages.append(rows_message(tape.rows if beliefs is None else [
             (*row, *beliefs.row(number)) for number, row in enumerate(tape.rows.tolist())]))
-    messages.append({'type': 'ending', 'time': result.duration, 'outcome': result.outcome.value,
-                     'reason': result.reason, 'notes': list(report_notes(result))})
+    messages.append({'type': 'ending', 'time': result.duration, 'outcome': verdict(result),
+                     'missed': bounds_missed(result), 'reason': result.reason,
+                     'notes': list(report_notes(result))})
     return messages
-
-
-def _shown(tape: Tape) -> Tape:
-    names = tuple(name for name in tape.columns if not HIDDEN_COLUMNS.fullmatch(name))
-    return Tape(names, tape.rows[:, [tape.columns.index(name) for name in names]])
 
 
 def _truths(result: RunResult) -> Iterator[Message]:
@@ -80,7 +66,7 @@ def _plans(result: RunResult) -> Iterator[Message]:
     if result.plan is not None:
         yield push_message(0.0, result.plan)
     times = [change.time for change in result.history if change.state is TaskState.APPROACH]
-    for time, plan in zip(times, result.sequence_plans):
+    for time, plan in zip(times, result.task_plans):
         yield plan_message(time, plan)
 
 

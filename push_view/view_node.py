@@ -7,7 +7,6 @@ import secrets
 import sys
 from typing import Any
 
-from push_control.push.status import Phase
 from push_control.task.status import TaskState
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
@@ -20,6 +19,7 @@ from push_ros.diagnostics import OK, status_values, WARN
 from push_ros.executor import BAD_PARAMETER, run
 from push_ros.node import PushNode
 from push_ros.node_settings import Frames
+from push_ros.topic_watch import TopicWatch
 from push_ros.topics import CONTROLLER
 from push_ros.transforms.world import Handlers, WorldFrame
 from push_view.live.robot_record import RobotRecord
@@ -31,26 +31,21 @@ from push_view.server.message_log import MessageLog
 NAME = 'push_view'
 LOCAL = '127.0.0.1'
 ROS_ARGUMENTS = '--ros-args'
-# What a controller of single pushes does, as the states of a task.
-STATES = {Phase.IDLE: TaskState.IDLE, Phase.PUSHING: TaskState.PUSH,
-          Phase.WAITING: TaskState.PUSH, Phase.DONE: TaskState.DONE,
-          Phase.FAILED: TaskState.FAILED}
 
 
 @dataclasses.dataclass(frozen=True)
 class ViewOptions:
     """Whom the page is served to, and what they may do."""
 
-    control: bool = quantity('let the page set goals and call controller/start, stop, pause and '
-                             'resume', default=False)
-    host: str = quantity('address at which other machines are served too, with the token that is '
-                         'logged; empty for this machine alone', default='')
-    port: int = quantity('port of the page, 0 for any that is free', '', 0, 65535, default=8643)
+    control: bool = quantity('let the page set goals and start, stop, pause and resume',
+                             default=False)
+    host: str = quantity('address for other machines, with a logged token; empty: this machine '
+                         'alone', default='')
+    port: int = quantity('port of the page; 0: any free one', '', 0, 65535, default=8643)
     object_pose_with_covariance: bool = quantity(
         'object_pose is PoseWithCovarianceStamped, else PoseStamped', default=False)
-    transform_timeout: float = quantity(
-        'time that a pose, goal or map in another frame waits for its transform', 's', 0.0, 10.0,
-        default=0.3)
+    transform_timeout: float = quantity('longest wait of a message for its transform', 's', 0.0,
+                                        10.0, default=0.3)
 
     def __post_init__(self) -> None:
         """Validate the fields."""
@@ -74,7 +69,7 @@ class ViewNode(PushNode):
 
     Subscribers
         ``odom`` (Odometry) and ``object_pose`` (PoseStamped, or PoseWithCovarianceStamped), best
-        effort; ``goal_pose`` (PoseStamped); ``push_plan`` (MultiDOFJointTrajectory, latched);
+        effort; ``goal_pose`` (PoseStamped); ``push_plan`` (JointTrajectory, latched);
         ``map`` (OccupancyGrid, latched); ``contact_wrench`` (WrenchStamped), of the simulator;
         ``/diagnostics`` (DiagnosticArray); once something comes in another frame, ``/tf`` and
         ``/tf_static``, where tf2_msgs is installed.
@@ -115,6 +110,9 @@ class ViewNode(PushNode):
         self.subscribe('map', self._in_world('map', self._on_map, self._record.move_map))
         self.subscribe('contact_wrench', self._on_contact_wrench)
         self.subscribe('diagnostics', self._on_diagnostics)
+        # Both are there once a message has been shown.
+        self._missing = {'odom', 'object_pose'}
+        self._topics = TopicWatch(self, lambda: self._missing)
 
     def start(self) -> None:
         """Serve the page: called once, before the first callback."""
@@ -132,6 +130,7 @@ class ViewNode(PushNode):
 
     def close(self) -> None:
         """Shut down: called once, while publishers are still valid."""
+        self._topics.destroy()
         self._page.stop()
 
     def _shown(self, show: Callable[[Any], None]) -> Callable[[Any], None]:
@@ -158,9 +157,11 @@ class ViewNode(PushNode):
 
     def _on_odometry(self, message: Any) -> None:
         self._record.on_odometry(from_odometry_message(message, self._frames.world_frame))
+        self._missing.discard('odom')
 
     def _on_object_pose(self, message: Any) -> None:
         self._record.on_object_pose(from_object_pose_message(message, self._frames.world_frame))
+        self._missing.discard('object_pose')
 
     def _on_goal(self, message: Any) -> None:
         self._record.on_goal(from_object_pose_message(message, self._frames.world_frame,
@@ -179,8 +180,6 @@ class ViewNode(PushNode):
             values = status_values(status) if status.name == self._controller else {}
             if 'state' in values:
                 self._record.on_state(TaskState(values['state']), values.get('reason', ''))
-            elif 'phase' in values:
-                self._record.on_state(STATES[Phase(values['phase'])], values.get('reason', ''))
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

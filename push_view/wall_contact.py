@@ -60,7 +60,6 @@ class WallContactDetector:
         Find where a body touches what is occupied; what is inside of it does not count.
 
         :param occupancy_map: the ``OccupancyMap``; everything outside it is occupied.
-        :param body: the ``Body``.
         :param pose: (x, y, theta) of the body in the world.
         """
         c, s = math.cos(pose[2]), math.sin(pose[2])
@@ -76,8 +75,6 @@ class WallContactDetector:
         """
         Find when touching began in a run.
 
-        :param tape: the ``Tape``.
-        :param occupancy_map: the ``OccupancyMap``.
         :return: times [s] in order, each with its ``WallContact``.
         """
         found: list[tuple[float, WallContact]] = []

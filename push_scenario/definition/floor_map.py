@@ -46,11 +46,7 @@ class FloorMap:
         return self.read(MapSettings())
 
     def read(self, settings: MapSettings) -> OccupancyMap:
-        """
-        Return the same as an ``OccupancyMap``; ``origin`` is the corner with the least x and y.
-
-        :param settings: ``MapSettings``.
-        """
+        """Return the same as an ``OccupancyMap``; its origin is the lower left corner."""
         occupied = self.characters == ord(OCCUPIED)
         if not settings.allow_unknown:
             occupied |= self.characters == ord(UNKNOWN)
@@ -61,7 +57,6 @@ def floor_map_values(grid: GridMap, lethal_cost_threshold: float) -> dict[str, A
     """
     Draw a map file, as the mapping that a scenario file would hold.
 
-    :param grid: ``GridMap``.
     :param lethal_cost_threshold: value from which on a cell is occupied.
     """
     codes = np.where(grid.cells >= lethal_cost_threshold, ord(OCCUPIED),

@@ -31,7 +31,6 @@ def load_scenario(name: str | Path) -> Scenario:
     Load a scenario by name or path.
 
     :param name: name of a scenario of the package, such as ``straight_push``, or path of a file.
-    :return: the ``Scenario``.
     :raises ParameterFileError: naming file and key, what came and what was expected.
     """
     return read_scenario(find_scenario(name))
@@ -56,18 +55,13 @@ def scenario_from_text(text: str, name: str, source: str = 'scenario') -> Scenar
     :param text: the YAML.
     :param name: of the scenario.
     :param source: name of the text in errors.
-    :return: the ``Scenario``.
     :raises ParameterFileError: naming the key, what came and what was expected.
     """
     return _scenario(parse_yaml(text, source), name, Location(source), None)
 
 
 def scenario_text(scenario: Scenario) -> str:
-    """
-    Write a scenario as YAML: every value spelled out, no file named.
-
-    :param scenario: the ``Scenario``.
-    """
+    """Write a scenario as YAML: every value spelled out, no file named."""
     values = {key: value for key, value in to_mapping(scenario).items() if key != 'name'}
     return yaml.safe_dump(values, sort_keys=False, allow_unicode=True, width=99)
 
@@ -77,7 +71,6 @@ def read_sensors(path: str | Path) -> SensorSettings:
     Read a file of ``config/sensors``.
 
     :param path: the file.
-    :return: the ``SensorSettings``.
     :raises ParameterFileError: naming file and key, what came and what was expected.
     """
     return from_mapping(SensorSettings, load_yaml(Path(path)), Location(path))
@@ -87,7 +80,6 @@ def with_map(scenario: Scenario, path: str | Path) -> Scenario:
     """
     Let a task be done in another map.
 
-    :param scenario: the ``Scenario``.
     :param path: map file, drawn in characters or of ``nav2_map_server``.
     :raises ParameterFileError: naming what is wrong.
     """

@@ -3,11 +3,10 @@
 import dataclasses
 import functools
 
-from push_control.task.settings import SupervisionSettings
+from push_control.supervision_settings import SupervisionSettings
 from push_model.quantity import check, quantity
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.settings import DriveSettings, MapSettings
-from push_planner.settings import TaskSettings
 from push_scenario.definition.floor_map import FloorMap
 from push_scenario.definition.placement import Placement
 
@@ -30,7 +29,6 @@ class Task:
 
     drive: DriveSettings = DriveSettings()
     supervision: SupervisionSettings = SupervisionSettings()
-    planning: TaskSettings = TaskSettings()
     map: FloorMap | None = None
     map_reading: MapSettings = MapSettings()
     goals: tuple[LaterGoal, ...] = quantity('goals that are given later', default=())

@@ -60,7 +60,6 @@ def correcting_pushes(history: Sequence[StateChange], duration: float, tape: Tap
     :param duration: when the task ended [s].
     :param tape: ``Tape`` with the true poses.
     :param goal: goal ``Pose`` of the object.
-    :return: ``Corrections``.
     """
     pushes = push_intervals(history, duration)
     times, poses = tape['time'], tape.poses('object')

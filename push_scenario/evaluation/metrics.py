@@ -37,9 +37,6 @@ class Metrics:
     within_map: bool = quantity('whether neither robot nor object entered an obstacle')
     within_bounds: bool = quantity("whether the object rests within the scenario's bounds and, "
                                    'after a task, the robot is clear of it')
-    single_push_time: float = quantity('time that the best single push would have taken; infinite '
-                                       'where there is none, nan where it is not known', 's',
-                                       default=math.nan)
     path_length_ratio: float | None = quantity(
         'length of the path of the robot over that of the plan; None without one plan for the '
         'whole run', default=None)
@@ -51,7 +48,6 @@ def measure(result: RunResult) -> Metrics | None:
     """
     Compute the metrics of a run from its tape.
 
-    :param result: the ``RunResult``.
     :return: the ``Metrics``; None where the goal was refused and nothing moved.
     """
     tape, plan, scenario = result.tape, result.plan, result.scenario
@@ -78,18 +74,13 @@ def measure(result: RunResult) -> Metrics | None:
         correction_time=(corrections.seconds / corrections.pushes if corrections.pushes
                          else math.nan),
         within_map=_is_within_map(result, tape),
-        within_bounds=_is_within_bounds(result, tape),
-        single_push_time=result.single_push_time,
+        within_bounds=not _out_of_bounds(result, tape),
         path_length_ratio=None if plan is None else length / plan.path_length,
         max_deviation=None if plan is None else float(deviation(objects, plan)[0].max()))
 
 
 def is_as_expected(result: RunResult) -> bool:
-    """
-    Tell whether a run ended as its scenario expects.
-
-    :param result: the ``RunResult``.
-    """
+    """Tell whether a run ended as its scenario expects."""
     if result.scenario.expected == 'refused':
         return result.outcome in (Outcome.REFUSED, Outcome.FAILED) and not result.pushes
     metrics = measure(result)
@@ -97,11 +88,41 @@ def is_as_expected(result: RunResult) -> bool:
             and metrics.within_map)
 
 
-def _is_within_bounds(result: RunResult, tape: Tape) -> bool:
+def bounds_missed(result: RunResult) -> list[str]:
+    """
+    List what is outside its bound after a run that was done, with its value and the bound.
+
+    A law in open loop is done with its commands, wherever the object is.
+
+    :return: sentences without a full stop; none for a run that ended otherwise.
+    """
+    tape = result.tape
+    if tape is None or result.outcome is not Outcome.DONE:
+        return []
+    missed = _out_of_bounds(result, tape)
+    if not _is_within_map(result, tape):
+        missed.append('robot or object in an obstacle of the map')
+    return missed
+
+
+def verdict(result: RunResult) -> str:
+    """Name the outcome of a run in a word: ``missed`` where it was done outside its bounds."""
+    return 'missed' if bounds_missed(result) else result.outcome.value
+
+
+def _out_of_bounds(result: RunResult, tape: Tape) -> list[str]:
     bounds, task = result.scenario.bounds, result.scenario.task
-    is_clear = task is None or tape['gap'][-1] >= task.drive.clearance
-    return bool(result.position_error <= bounds.position_error
-                and abs(result.heading_error) <= bounds.heading_error and is_clear)
+    violations: list[str] = []
+    if not result.position_error <= bounds.position_error:
+        violations.append(f'position error {1e3 * result.position_error:.1f} mm, bound '
+                          f'{1e3 * bounds.position_error:.1f} mm')
+    if not abs(result.heading_error) <= bounds.heading_error:
+        violations.append(f'heading error {math.degrees(result.heading_error):+.2f} deg, bound '
+                          f'{math.degrees(bounds.heading_error):.2f} deg')
+    if task is not None and not tape['gap'][-1] >= task.drive.clearance:
+        violations.append(f"robot clear of the object by {1e3 * tape['gap'][-1]:.0f} mm, bound "
+                          f'{1e3 * task.drive.clearance:.0f} mm')
+    return violations
 
 
 def _is_within_map(result: RunResult, tape: Tape) -> bool:
@@ -114,21 +135,13 @@ def _is_within_map(result: RunResult, tape: Tape) -> bool:
 
 
 def distance_travelled(tape: Tape) -> FloatArray:
-    """
-    Distance that the robot's centre has travelled since the start [m], shape (n,).
-
-    :param tape: the ``Tape``.
-    """
+    """Distance that the robot's centre has travelled since the start [m], shape (n,)."""
     steps = np.hypot(np.diff(tape['robot_x']), np.diff(tape['robot_y']))
     return np.concatenate([[0.0], np.cumsum(steps)])
 
 
 def in_contact(tape: Tape) -> NDArray[np.bool_]:
-    """
-    Tell for each row whether robot and object touch, shape (n,).
-
-    :param tape: the ``Tape``.
-    """
+    """Tell for each row whether robot and object touch, shape (n,)."""
     return tape['mode'] != SEPARATE
 
 
@@ -140,7 +153,6 @@ def slip_speed(tape: Tape, radius: float) -> FloatArray:
     the robot moves at ``Im(v_robot) + radius omega_robot`` along the tangent, and the point of
     the object at ``Im(v_object) + Re(arm) omega_object``.
 
-    :param tape: the ``Tape``.
     :param radius: of the robot [m].
     """
     heading, normal = tape['robot_theta'], tape['normal']
@@ -159,7 +171,6 @@ def deviation(poses: FloatArray, plan: PushTrajectory) -> tuple[FloatArray, Floa
     Compare poses of the object with the nearest point of its planned path.
 
     :param poses: shape (n, 3).
-    :param plan: the ``PushTrajectory``.
     :return: (distance [m], orientation minus the planned one [rad]), each of shape (n,).
     """
     start, step = plan.object_poses[:-1], np.diff(plan.object_poses, axis=0)
@@ -177,11 +188,7 @@ def deviation(poses: FloatArray, plan: PushTrajectory) -> tuple[FloatArray, Floa
 
 
 def force_angle(tape: Tape) -> FloatArray:
-    """
-    Angle of the contact force from the contact normal [rad], shape (n,); nan out of contact.
-
-    :param tape: the ``Tape``.
-    """
+    """Angle of the contact force from the contact normal [rad], shape (n,); nan out of contact."""
     normal, tangential = tape['force_n'], tape['force_t']
     return np.where(normal > 0.0, np.arctan2(tangential, np.where(normal > 0.0, normal, 1.0)),
                     np.nan)

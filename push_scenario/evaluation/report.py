@@ -5,7 +5,7 @@ import math
 from typing import Any, NamedTuple
 
 from push_scenario.definition.scenario import Scenario
-from push_scenario.evaluation.metrics import measure, Metrics
+from push_scenario.evaluation.metrics import bounds_missed, measure, Metrics, verdict
 from push_scenario.simulation.result import Outcome, RunResult, WallClockTiming
 
 TITLES = {'open_loop': 'open loop', 'feedback': 'feedback', 'mpc': 'mpc'}
@@ -71,7 +71,6 @@ ROWS: tuple[Row, ...] = (
     Row('time', 's', lambda m: _seconds(m.time)),
     Row('time of a correcting push', 's', lambda m: _seconds(m.correction_time), _is_task),
     Row('time in contact', 's', lambda m: _seconds(m.contact_time)),
-    Row('time of the best single push', 's', lambda m: _seconds(m.single_push_time), _is_task),
     Row('path length of the robot', 'm', lambda m: f'{m.robot_path_length:.3f}'),
     Row('path length of the object', 'm', lambda m: f'{m.object_path_length:.3f}'),
     Row('path length against the plan', '%', lambda m: f'{1e2 * m.path_length_ratio:.1f}',
@@ -119,7 +118,7 @@ def report_table(results: Sequence[RunResult]) -> list[list[str]]:
     timings = [result.timing for result in results]
     if any(timings):
         lines += _table_rows(TIMING_ROWS, scenario, timings)
-    lines.append(['outcome', ''] + [result.outcome.value for result in results] + [''])
+    lines.append(['outcome', ''] + [verdict(result) for result in results] + [''])
     return lines
 
 
@@ -132,17 +131,15 @@ def _table_rows(rows: Sequence[Row], scenario: Scenario,
 
 
 def report_notes(result: RunResult) -> Iterator[str]:
-    """
-    Yield changes of state for a reason, and why the run ended as it did.
-
-    :param result: the ``RunResult``.
-    """
+    """Yield changes of state for a reason, and why the run ended as it did or what it missed."""
     title = TITLES[result.control_law]
     for change in result.history[1:]:
         if change.reason and change.reason != result.reason:
             yield f'{title}, {change.time:.1f} s, {change.state.value}: {change.reason}'
     if result.reason and result.outcome is not Outcome.DONE:
         yield f'{title}: {result.reason}'
+    for missed in bounds_missed(result):
+        yield f'{title}: missed, {missed}'
 
 
 def _aligned(lines: Sequence[Sequence[str]]) -> Iterator[str]:

@@ -2,7 +2,8 @@
 
 from typing import Any
 
-from push_control.identification.identification import Identification, Interval
+from push_control.identification.identification import Identification
+from push_model.interval import Interval
 from push_model.parameters import PushedObject
 import yaml
 

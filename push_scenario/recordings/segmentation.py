@@ -14,8 +14,8 @@ WINDOW = 0.5
 # pushes of 2 cm/s, and above what averaged noise of 2 mm suggests.
 MOVING = 0.008
 # A shorter rest belongs to the push [s]; a smaller displacement is none [m]. Chosen.
-LONGEST_PAUSE = 0.5
-LEAST_DISPLACEMENT = 0.02
+MAX_PAUSE = 0.5
+MIN_DISPLACEMENT = 0.02
 # Rest over which the pose before and after is averaged [s]. Chosen: twenty poses or more.
 REST = 1.0
 
@@ -39,7 +39,7 @@ def split_pushes(obj: PushedObject, robot: RoundRobot, robot_track: Track,
         start, last = (_rest_pose(object_track, *span)
                        for span in ((begin - REST, begin), (end, end + REST)))
         displacement = np.hypot(*(last - start)[:2]) + size * abs(last[2] - start[2])
-        if displacement < LEAST_DISPLACEMENT:
+        if displacement < MIN_DISPLACEMENT:
             continue
         path = _between(robot_track, begin - WINDOW, end)
         pushes.append(RecordedPush(start, last,
@@ -69,7 +69,7 @@ def _intervals(times: FloatArray, moving: NDArray[np.bool_]) -> list[tuple[float
     """List begin and end of each motion, pauses bridged [s]."""
     found: list[tuple[float, float]] = []
     for time in times[moving]:
-        if found and time - found[-1][1] <= LONGEST_PAUSE:
+        if found and time - found[-1][1] <= MAX_PAUSE:
             found[-1] = found[-1][0], float(time)
         else:
             found.append((float(time), float(time)))

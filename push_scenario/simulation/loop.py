@@ -11,18 +11,18 @@ import dataclasses
 import math
 from typing import NamedTuple
 
-from push_control.observation import Observation
-from push_control.push.controller import Controller
-from push_control.safety.layer import SafetyLayer
 from push_control.settings import ControlSettings
 from push_control.task.supervisor import Supervisor
 from push_model.geometry import distance
+from push_model.observation import Observation
 from push_model.signals import Odometry
 from push_planner.problem import PlanningFailed
-from push_planner.settings import TaskMethod
+from push_planner.task_planner import plan_for_request
+from push_safety.layer import SafetyLayer
 from push_scenario.definition.scenario import Scenario
 from push_scenario.simulation.result import Outcome, RunResult
-from push_scenario.simulation.robot_control import Ending, make_robot_control, RobotControl
+from push_scenario.simulation.robot_control import (
+    Ending, make_robot_control, PlanFunction, RobotControl)
 from push_scenario.simulation.start import place_robot
 from push_sim_node.plant import Plant
 from push_sim_node.simulation import Simulation
@@ -33,9 +33,8 @@ REST_SPEED = 1e-4
 REST_YAW_RATE = 1e-3
 # Longest wait for rest, chosen above the braking time of the robots in config/robots [s].
 SETTLE_TIME = 2.0
-# What benchmarks/tasks allows as planning time on one core [s]: its 95th percentile with
-# primitives, its median with sequences.
-PLANNING_TIMES: dict[TaskMethod, float] = {'primitives': 0.1, 'sequences': 0.3}
+# Time from a plan request to its answer [s]: the 95th percentile of benchmarks/tasks on one core.
+PLANNING_TIME = 0.1
 
 
 class Progress(NamedTuple):
@@ -54,27 +53,24 @@ class Progress(NamedTuple):
 
 
 ProgressCallback = Callable[[Progress], None]
-Intervention = Callable[[Simulation, Controller | Supervisor], None]
+Intervention = Callable[[Simulation, Supervisor], None]
 
 
 def simulate(scenario: Scenario, control_law: str | None = None, *,
              progress: ProgressCallback | None = None, intervene: Intervention | None = None,
-             planning_time: float | None = None,
+             planning_time: float | None = None, plan_push: PlanFunction = plan_for_request,
              plant_type: type[Plant] = Plant) -> RunResult:
     """
     Simulate a scenario: one push, or as many as its task takes.
 
-    :param scenario: the ``Scenario``.
     :param control_law: ``feedback``, ``mpc`` or ``open_loop``; None for that of the scenario.
     :param progress: called with a ``Progress`` at every measurement.
     :param intervene: called before every measurement with the ``Simulation`` and the
-        ``Supervisor`` of a task (``Controller`` of a single push), to disturb the one or to
-        redirect the other.
+        ``Supervisor``, to disturb the one or to redirect the other.
     :param planning_time: in a task, simulated time from a plan request to its answer [s]; None for
-        what the method of the task usually takes. A single push is planned before time starts
-        to run.
+        what that usually takes. A single push is planned before time starts to run.
+    :param plan_push: answers the plan requests of a task.
     :param plant_type: as of ``Simulation``.
-    :return: the ``RunResult``.
     :raises ValueError: where there is no such law, or no site for the robot to start from.
     """
     scenario = place_robot(dataclasses.replace(
@@ -86,7 +82,7 @@ def simulate(scenario: Scenario, control_law: str | None = None, *,
     observation = first_observation(simulation)
     try:
         robot = make_robot_control(scenario, observation,
-                                   _planning_time(scenario, planning_time))
+                                   _planning_time(scenario, planning_time), plan_push)
     except PlanningFailed as failure:
         return RunResult(scenario, scenario.control.control_law, Outcome.REFUSED, failure.reason)
     loop = ClosedLoop(simulation, robot, make_safety_layer(scenario), observation, progress)
@@ -99,29 +95,24 @@ def simulate(scenario: Scenario, control_law: str | None = None, *,
 
 
 def _planning_time(scenario: Scenario, planning_time: float | None) -> float:
-    if planning_time is not None or scenario.task is None:
-        return planning_time or 0.0
-    in_map = scenario.task.occupancy_map is not None
-    return PLANNING_TIMES['primitives' if in_map else scenario.task.planning.method]
+    if planning_time is not None:
+        return planning_time
+    return 0.0 if scenario.task is None else PLANNING_TIME
 
 
 def make_safety_layer(scenario: Scenario) -> SafetyLayer:
-    """
-    Make what checks commands and odometry of the robot.
-
-    :param scenario: the ``Scenario``.
-    """
+    """Make what checks commands and odometry of the robot."""
     task = scenario.task
     is_absolute = task is not None and task.supervision.odometry_reference == 'absolute'
     return SafetyLayer(scenario.robot, scenario.object, is_odometry_absolute=is_absolute,
-                       heading_count=scenario.control.heading_count)
+                       heading_count=scenario.control.heading_count,
+                       standstill_limit=scenario.control.standstill_limit)
 
 
 def control_settings(scenario: Scenario, control_law: str | None = None) -> ControlSettings:
     """
     Look up the controller's settings, under another law if one is named.
 
-    :param scenario: the ``Scenario``.
     :param control_law: ``feedback``, ``mpc`` or ``open_loop``; None for that of the scenario.
     :raises ValueError: where there is no such law.
     """
@@ -134,9 +125,7 @@ def make_simulation(scenario: Scenario, plant_type: type[Plant] = Plant) -> Simu
     """
     Make the plant of a scenario, at time 0.
 
-    :param scenario: the ``Scenario``.
     :param plant_type: as of ``Simulation``.
-    :return: the ``Simulation``.
     """
     return Simulation(scenario.true_object, scenario.true_robot, scenario.start.object.pose,
                       scenario.robot_start, scenario.simulation, scenario.sensors,
@@ -177,7 +166,6 @@ class ClosedLoop:
         """
         Answer the first measurements.
 
-        :param simulation: the ``Simulation``.
         :param robot: what runs on the robot.
         :param safety: ``SafetyLayer`` between the two.
         :param observation: the first measurements.
@@ -207,7 +195,7 @@ class ClosedLoop:
             if ending is not None:
                 return ending
             if intervene is not None:
-                intervene(self._simulation, self._robot.controller)
+                intervene(self._simulation, self._robot.supervisor)
             self.advance()
         return Ending(Outcome.TIME_LIMIT, f'not done after {time_limit:g} s')
 
@@ -241,8 +229,6 @@ class ClosedLoop:
 
     def _step(self, dt: float) -> None:
         """Command the robot, through the safety layer."""
-        safety, observation = self._safety, self._safety.believed(self._observation)
-        fault = safety.observe(observation.odometry)
-        self._robot.on_safety_report(fault, safety.report)
-        command = self._robot.step(observation, dt)
-        self._simulation.command(safety.filter(command, observation.time))
+        robot = self._robot
+        self._simulation.command(self._safety.guard(
+            self._observation, robot, lambda believed: robot.step(believed, dt)))

@@ -2,7 +2,6 @@
 
 import dataclasses
 import enum
-import math
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +9,7 @@ from numpy.typing import NDArray
 from push_control.task.status import StateChange, SupervisorStatus, TaskState
 from push_model.geometry import distance, wrap_angle
 from push_model.trajectory import PushTrajectory
-from push_planner.sequence.planner import TaskPlan
+from push_planner.task_planner import TaskPlan
 from push_scenario.definition.scenario import Scenario
 from push_sim_node.tape import Tape
 
@@ -56,10 +55,9 @@ class RunResult:
         from the start to the end.
     :param recoveries: number of times that the supervisor had to recover.
     :param status: last ``SupervisorStatus`` of a task; None for a single push.
-    :param plan: ``PushTrajectory`` that a single push followed; None for a task.
-    :param sequence_plans: ``TaskPlan`` of each push of a task, in order; empty over DDS.
-    :param single_push_time: time that the best single push to the goal would have taken from the
-        start of a task [s]; infinite where there is none, nan where it is not known.
+    :param plan: ``PushTrajectory`` that a single push followed; None for a task, and where none
+        was needed.
+    :param task_plans: ``TaskPlan`` of each push of a task, in order; empty over DDS.
     :param timing: ``WallClockTiming`` of a run over DDS, else None.
     :param bag: folder of the recording, or None.
     :raises ValueError: where a run that moved lacks its tape, or a single push its plan.
@@ -75,8 +73,7 @@ class RunResult:
     recoveries: int = 0
     status: SupervisorStatus | None = None
     plan: PushTrajectory | None = None
-    sequence_plans: tuple[TaskPlan, ...] = ()
-    single_push_time: float = math.nan
+    task_plans: tuple[TaskPlan, ...] = ()
     timing: WallClockTiming | None = None
     bag: Path | None = None
 
@@ -87,7 +84,7 @@ class RunResult:
         if self.tape is None:
             raise ValueError(f'RunResult.tape: got None, expected a tape for the outcome '
                              f'{self.outcome.value!r}')
-        if self.plan is None and self.scenario.task is None:
+        if self.plan is None and self.scenario.task is None and self.pushes:
             raise ValueError(f'RunResult.plan: got None, expected the plan of a single push for '
                              f'the outcome {self.outcome.value!r}')
 

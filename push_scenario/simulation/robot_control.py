@@ -1,44 +1,44 @@
 """
 What runs on the robot: planning and control behind one interface.
 
-A single push plans once and lets the controller follow the plan; a task lets the supervisor ask
-for a plan of every push. The simulation loop treats both alike.
+A single push is planned before time starts to run; a task lets the supervisor ask for a plan of
+every push. The simulation loop treats both alike.
 """
 
 import abc
+from collections.abc import Callable
 import dataclasses
-import math
 from typing import NamedTuple
 
-from push_control.observation import Observation
-from push_control.push.controller import Controller
-from push_control.push.status import Phase
-from push_control.safety.status import SafetyReport
+from push_control.supervision_settings import SupervisionSettings
+from push_control.task.single_push import SinglePushBehaviors
 from push_control.task.status import StateChange, SupervisorStatus, TaskState
 from push_control.task.supervisor import Supervisor
 from push_model.geometry import Pose
-from push_model.plan_request import PlanRequest
+from push_model.observation import Observation
+from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.signals import ObjectPose, Twist
 from push_model.trajectory import PushTrajectory
 from push_navigation.occupancy_map import OccupancyMap
+from push_navigation.settings import DriveSettings
 from push_planner.problem import PlanningFailed
-from push_planner.sequence.planner import plan_for_request, TaskPlan
-from push_planner.single_push.replanning import plan_from_measurements
+from push_planner.steered.replanning import plan_from_measurements
+from push_planner.task_planner import plan_for_request, TaskPlan
+from push_safety.status import SafetyReport
 from push_scenario.definition.scenario import Scenario
 from push_scenario.definition.task import Task
 from push_scenario.simulation.history import single_push_history, StateHistory
 from push_scenario.simulation.result import Outcome
 
-ENDINGS: dict[Phase | TaskState, Outcome] = {
-    Phase.DONE: Outcome.DONE, Phase.FAILED: Outcome.FAILED,
-    TaskState.DONE: Outcome.DONE, TaskState.FAILED: Outcome.FAILED}
+# Answers a plan request of a task: arguments and result as of ``plan_for_request``.
+PlanFunction = Callable[..., TaskPlan]
+ENDINGS = {TaskState.DONE: Outcome.DONE, TaskState.FAILED: Outcome.FAILED}
 
 
 class Ending(NamedTuple):
     """
     How the robot ended a run by itself.
 
-    :param outcome: the ``Outcome``.
     :param reason: one sentence.
     """
 
@@ -53,31 +53,31 @@ class RobotRecord(NamedTuple):
     recoveries: int = 0
     status: SupervisorStatus | None = None
     plan: PushTrajectory | None = None
-    sequence_plans: tuple[TaskPlan, ...] = ()
-    single_push_time: float = math.nan
+    task_plans: tuple[TaskPlan, ...] = ()
 
 
 class RobotControl(abc.ABC):
-    """Answers measurements with commands, and plans in between."""
+    """
+    Answers measurements with commands, and plans in between.
 
-    def __init__(self, scenario: Scenario) -> None:
-        """
-        Take the nominal parameters of a scenario.
+    ``supervisor``: the ``Supervisor``. ``goal``: present goal ``Pose`` of the object.
+    """
 
-        :param scenario: the ``Scenario``.
-        """
+    def __init__(self, scenario: Scenario, supervisor: Supervisor) -> None:
+        """Take the nominal parameters of a scenario."""
         self._scenario = scenario
+        self.supervisor = supervisor
         self.goal: Pose = scenario.goal.pose
 
     @property
-    @abc.abstractmethod
-    def controller(self) -> Controller | Supervisor:
-        """The ``Controller`` of a single push, or the ``Supervisor`` of a task."""
-
-    @property
-    @abc.abstractmethod
     def stage(self) -> str:
         """What the robot is doing, one word."""
+        return self.supervisor.state.value
+
+    @property
+    def awaits_resume(self) -> bool:
+        """Whether the robot stands until somebody lets it go on."""
+        return self.supervisor.awaits_resume
 
     def on_safety_report(self, fault: SafetyReport | None, stop: SafetyReport | None) -> None:
         """
@@ -86,17 +86,16 @@ class RobotControl(abc.ABC):
         :param fault: what is wrong with the newest odometry, or None.
         :param stop: why the robot is stopped, or None where it may move.
         """
-        self.controller.on_safety_report(fault, stop)
+        self.supervisor.on_safety_report(fault, stop)
 
-    @abc.abstractmethod
     def step(self, observation: Observation, dt: float) -> Twist:
         """
         Answer a measurement.
 
-        :param observation: ``Observation``.
         :param dt: time since the last step [s].
         :return: velocity command in the robot's axes.
         """
+        return self.supervisor.step(observation, dt)
 
     @abc.abstractmethod
     def update_plan(self, observation: Observation) -> Ending | None:
@@ -117,102 +116,103 @@ class RobotControl(abc.ABC):
         """
 
 
+def _ending_at_goal(failure: PlanningFailed) -> Ending | None:
+    """Tell how a run ends that has no plan as none is needed; None where one is."""
+    if failure.code is not PlanFailure.AT_GOAL:
+        return None
+    return Ending(Outcome.DONE, failure.reason)
+
+
 class SinglePushControl(RobotControl):
-    """A plan from the first measurements, followed by the controller."""
+    """A plan from the first measurements, which is followed."""
 
     def __init__(self, scenario: Scenario, observation: Observation) -> None:
         """
         Plan the push.
 
-        :param scenario: the ``Scenario``.
         :param observation: the first measurements.
-        :raises PlanningFailed: with the reason.
+        :raises PlanningFailed: with the reason, unless the object is at the goal already.
         """
-        super().__init__(scenario)
+        super().__init__(scenario, Supervisor(
+            scenario.object, scenario.robot, scenario.control, DriveSettings(),
+            SupervisionSettings(), factory=SinglePushBehaviors))
         if observation.object_pose is None:
             raise ValueError('observation.object_pose: got None, expected a measured pose')
-        found = plan_from_measurements(scenario.object, scenario.robot, observation.object_pose,
-                                       observation.odometry, self.goal, scenario.planner)
-        self._plan = found.plan.trajectory
-        self._target = self._plan
-        self._controller = Controller(scenario.object, scenario.robot, scenario.control)
+        # Set where no push, or no further one, is needed.
+        self._ending: Ending | None = None
+        self._plan: PushTrajectory | None = None
+        try:
+            self._plan = plan_from_measurements(
+                scenario.object, scenario.robot, observation.object_pose, observation.odometry,
+                self.goal, scenario.planner, tolerances=scenario.control.tolerances
+            ).plan.trajectory
+        except PlanningFailed as failure:
+            self._ending = _ending_at_goal(failure)
+            if self._ending is None:
+                raise
+        if self._plan is not None:
+            self.supervisor.drive(self._plan)
         self._replan_settings = dataclasses.replace(scenario.planner, site='current')
-
-    @property
-    def controller(self) -> Controller:
-        """The ``Controller``."""
-        return self._controller
 
     @property
     def stage(self) -> str:
         """What the robot is doing."""
         return 'pushing'
 
-    def step(self, observation: Observation, dt: float) -> Twist:
-        """Answer a measurement; see ``RobotControl``."""
-        return self._controller.step(self._target, observation, dt)
-
     def update_plan(self, observation: Observation) -> Ending | None:
-        """Replan where the controller asks for it; see ``RobotControl``."""
-        controller = self._controller
-        replanned = self._replan(observation) if controller.replan_requested else None
-        if replanned is not None:
-            self._target = replanned
-        elif controller.phase in ENDINGS:
-            return Ending(ENDINGS[controller.phase], controller.reason)
-        return None
+        """Replan where the supervisor asks for it; see ``RobotControl``."""
+        supervisor = self.supervisor
+        if supervisor.plan_request is not None:
+            try:
+                supervisor.set_plan(self._replan(observation))
+            except PlanningFailed as failure:
+                self._ending = (_ending_at_goal(failure)
+                                or Ending(Outcome.FAILED, supervisor.reason))
+        elif supervisor.state in ENDINGS:
+            self._ending = Ending(ENDINGS[supervisor.state], supervisor.reason)
+        return self._ending
 
     def record(self, ending: Ending, time: float) -> RobotRecord:
         """Sum up the run as a task of one push; see ``RobotControl``."""
-        return RobotRecord(single_push_history(*ending, time), plan=self._plan)
+        history = () if self._plan is None else single_push_history(*ending, time)
+        return RobotRecord(history, plan=self._plan)
 
-    def _replan(self, observation: Observation) -> PushTrajectory | None:
-        """Plan from where the controller estimates robot and object to be."""
-        status, odometry = self._controller.status, observation.odometry
+    def _replan(self, observation: Observation) -> PushTrajectory:
+        """Plan from where robot and object are estimated to be."""
+        status, odometry = self.supervisor.status.push, observation.odometry
         measured = ObjectPose(odometry.time, status.object_pose)
-        try:
-            found = plan_from_measurements(
-                self._scenario.object, self._scenario.robot, measured,
-                odometry._replace(pose=status.robot_pose), self.goal, self._replan_settings)
-        except PlanningFailed:
-            return None
-        return found.plan.trajectory
+        replanned = plan_from_measurements(
+            self._scenario.object, self._scenario.robot, measured,
+            odometry._replace(pose=status.robot_pose), self.goal, self._replan_settings,
+            tolerances=self._scenario.control.tolerances)
+        return replanned.plan.trajectory
 
 
 class TaskControl(RobotControl):
     """A supervisor whose plan requests are answered after a fixed planning time."""
 
-    def __init__(self, scenario: Scenario, task: Task, planning_time: float) -> None:
+    def __init__(self, scenario: Scenario, task: Task, planning_time: float,
+                 plan_push: PlanFunction = plan_for_request) -> None:
         """
         Set map and goal of the task.
 
-        :param scenario: the ``Scenario``.
         :param task: its ``Task``.
         :param planning_time: simulated time from a plan request to its answer [s].
+        :param plan_push: answers plan requests.
         """
-        super().__init__(scenario)
+        super().__init__(scenario, Supervisor(
+            scenario.object, scenario.robot, scenario.control, task.drive, task.supervision))
         self._task = task
+        self._plan_push = plan_push
         self._planning_time = planning_time
-        self._supervisor = Supervisor(scenario.object, scenario.robot, scenario.control,
-                                      task.drive, task.supervision)
         self._occupancy_map = task.occupancy_map
-        self._supervisor.set_map(task.occupancy_map)
-        self._supervisor.set_goal(self.goal)
+        self.supervisor.set_map(task.occupancy_map)
+        self.supervisor.set_goal(self.goal)
         self._later_goals = list(task.goals)
         self._request: PlanRequest | None = None
         self._answer_due = 0.0
         self._plans: list[TaskPlan] = []
         self._history = StateHistory()
-
-    @property
-    def controller(self) -> Supervisor:
-        """The ``Supervisor``."""
-        return self._supervisor
-
-    @property
-    def stage(self) -> str:
-        """State of the supervisor."""
-        return self._supervisor.state.value
 
     @property
     def history(self) -> tuple[StateChange, ...]:
@@ -231,7 +231,7 @@ class TaskControl(RobotControl):
         :param pose: goal ``Pose`` of the object.
         """
         self.goal = pose
-        self._supervisor.set_goal(pose)
+        self.supervisor.set_goal(pose)
         self._update_history()
 
     def set_map(self, occupancy_map: OccupancyMap | None) -> None:
@@ -241,19 +241,15 @@ class TaskControl(RobotControl):
         :param occupancy_map: the ``OccupancyMap``; None for open floor.
         """
         self._occupancy_map = occupancy_map
-        self._supervisor.set_map(occupancy_map)
-
-    def step(self, observation: Observation, dt: float) -> Twist:
-        """Answer a measurement; see ``RobotControl``."""
-        return self._supervisor.step(observation, dt)
+        self.supervisor.set_map(occupancy_map)
 
     def update_plan(self, observation: Observation) -> Ending | None:
         """Answer a plan request and set the goal that is due; see ``RobotControl``."""
         self._answer_request(observation.time)
         self._update_history()
-        state = self._supervisor.state
+        state = self.supervisor.state
         if state in ENDINGS and not self._later_goals:
-            return Ending(ENDINGS[state], self._supervisor.status.reason)
+            return Ending(ENDINGS[state], self.supervisor.status.reason)
         if self._later_goals and observation.time >= self._later_goals[0].time:
             self.set_goal(self._later_goals.pop(0).goal.pose)
         return None
@@ -262,43 +258,40 @@ class TaskControl(RobotControl):
         """Sum up the run; see ``RobotControl``."""
         self._update_history()
         return RobotRecord(
-            self._history.changes, self._history.recoveries, self._supervisor.status,
-            sequence_plans=tuple(self._plans),
-            single_push_time=(self._plans[0].single_push_time if self._plans
-                              else math.nan))
+            self._history.changes, self._history.recoveries, self.supervisor.status,
+            task_plans=tuple(self._plans))
 
     def _update_history(self) -> None:
-        self._history.update(self._supervisor.history, self._supervisor.recoveries)
+        self._history.update(self.supervisor.history, self.supervisor.recoveries)
 
     def _answer_request(self, time: float) -> None:
-        request = self._supervisor.plan_request
+        request = self.supervisor.plan_request
         if request is not self._request:
             self._request = request
             self._answer_due = time + self._planning_time
         if request is None or time < self._answer_due:
             return
         try:
-            found = plan_for_request(
+            plan = self._plan_push(
                 request, self._scenario.robot, self._scenario.planner, self._task.drive,
-                self._task.planning, self._occupancy_map,
-                kept=self._plans[-1].kept if self._plans else None)
+                self._occupancy_map, remaining=self._plans[-1].remaining if self._plans else None)
         except PlanningFailed as failure:
-            self._supervisor.on_planning_failed(failure.code, failure.reason)
+            self.supervisor.on_planning_failed(failure.code, failure.reason)
             return
-        self._plans.append(found)
-        self._supervisor.set_plan(found.trajectory)
+        self._plans.append(plan)
+        self.supervisor.set_plan(plan.trajectory)
 
 
-def make_robot_control(scenario: Scenario, observation: Observation,
-                       planning_time: float) -> RobotControl:
+def make_robot_control(scenario: Scenario, observation: Observation, planning_time: float,
+                       plan_push: PlanFunction = plan_for_request) -> RobotControl:
     """
     Make what runs on the robot of a scenario.
 
-    :param scenario: the ``Scenario``.
     :param observation: the first measurements.
     :param planning_time: simulated time from a supervisor's plan request to its answer [s].
+    :param plan_push: answers the plan requests of a task.
     :raises PlanningFailed: where there is no plan of a single push.
     """
     if scenario.task is None:
         return SinglePushControl(scenario, observation)
-    return TaskControl(scenario, scenario.task, planning_time)
+    return TaskControl(scenario, scenario.task, planning_time, plan_push)

@@ -3,7 +3,7 @@
 import dataclasses
 
 from push_planner.problem import PlanningFailed
-from push_planner.single_push.site_selection import choose_site
+from push_planner.steered.site_selection import choose_site
 from push_scenario.definition.placement import Placement
 from push_scenario.definition.scenario import Scenario
 
@@ -12,7 +12,6 @@ def place_robot(scenario: Scenario) -> Scenario:
     """
     Specify the pose of the robot: that of the quickest contact site where there is none.
 
-    :param scenario: the ``Scenario``.
     :return: the same, with ``start.robot`` or ``start.contact``.
     :raises ValueError: where no site leads to the goal.
     """

@@ -15,7 +15,7 @@ from push_ros.conversions.serialized import serialize_object_pose, serialize_odo
 from push_ros.node import PushNode, RateLimiter
 from push_ros.node_settings import Frames, SimOptions
 from push_ros.qos import EVENT
-from push_sim_node.sensors import LEAST_DEVIATION, SensorSettings
+from push_sim_node.sensors import MIN_DEVIATION, SensorSettings
 from push_sim_node.simulation import Simulation
 from push_sim_node.truth import Truth
 from rclpy.duration import Duration
@@ -114,6 +114,17 @@ class SimOutputs:
         if not self._owns_time:
             self._epoch = self._node.get_clock().now().nanoseconds
 
+    def keep_clock(self, time: float) -> None:
+        """
+        Let the clock go on where the simulation starts over: one that fell back would break nodes.
+
+        In lockstep it starts over as well, so that a replay has the same stamps again.
+
+        :param time: simulated time that was reached [s].
+        """
+        if self._options.publish_clock and not self._options.lockstep:
+            self._epoch = self._nanoseconds(time)
+
     def skip_time(self, delay: float) -> None:
         """
         Move stamps on by a time in which nothing was simulated, where the node's clock makes them.
@@ -155,11 +166,7 @@ class SimOutputs:
         return published
 
     def republish(self, published: PublishedMeasurement) -> None:
-        """
-        Publish a measurement as it stands.
-
-        :param published: the ``PublishedMeasurement``.
-        """
+        """Publish a measurement as it stands."""
         publisher = self._object_pose if published.is_object_pose else self._odometry
         publisher.publish(published.data)
 
@@ -185,11 +192,7 @@ class SimOutputs:
         return (math.floor(time * self._clock_rate + CLOCK_ROUNDING) + 1) / self._clock_rate
 
     def publish_scene(self, simulation: Simulation) -> None:
-        """
-        Publish contact wrench, markers and transforms of the truth where they are due.
-
-        :param simulation: the ``Simulation``.
-        """
+        """Publish contact wrench, markers and transforms of the truth where they are due."""
         time = simulation.time
         if self._wrench.is_due(time) and self._wrench.has_subscribers():
             self._publish_wrench(simulation.truth)
@@ -235,12 +238,11 @@ def twist_covariance(sensors: SensorSettings) -> list[float]:
     """
     State the noise of the velocity of odometry, as a message has it.
 
-    :param sensors: ``SensorSettings``.
     :return: covariance of (x, y, z, roll, pitch, yaw) in the axes of the robot, by rows.
     """
     covariance = [0.0] * 36
     for axis, place in VARIANCE_PLACES.items():
         deviation = (sensors.odometry_yaw_rate_noise if axis == 'yaw'
                      else sensors.odometry_speed_noise)
-        covariance[place] = max(deviation, LEAST_DEVIATION) ** 2
+        covariance[place] = max(deviation, MIN_DEVIATION) ** 2
     return covariance

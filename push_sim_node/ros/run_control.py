@@ -15,7 +15,7 @@ OFFER_PERIOD = 0.1
 QUIET_TIME = 0.4
 # Time after which it starts in any case [s], chosen as several times the one above: a controller
 # may repeat a stop without end.
-LONGEST_START = 2.0
+MAX_START = 2.0
 
 
 class RunState(enum.Enum):
@@ -107,4 +107,4 @@ class RunControl:
 
     def _may_start(self, now: float) -> bool:
         return (now - self._last_answer_at >= self._quiet_time
-                or now - self._requested_at >= LONGEST_START)
+                or now - self._requested_at >= MAX_START)

@@ -34,7 +34,7 @@ class RunDisplay:
         """Move new rows of the tape, with what is believed at them, and show events."""
         for row in self._simulation.rows:
             self._rows.append(
-                (*row, *self._belief.sample(self._row_count, self._robot.controller)))
+                (*row, *self._belief.sample(self._row_count, self._robot.supervisor)))
             self._row_count += 1
             self.time = row[0]
         # A session may last for hours.

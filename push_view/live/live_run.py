@@ -1,14 +1,13 @@
 """One run of a session: plant and robot, with walls that nothing gets through."""
 
 import numpy as np
-from push_control.safety.layer import SafetyLayer
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject
 from push_model.signals import STOP
 from push_navigation.occupancy_map import OccupancyMap
+from push_safety.layer import SafetyLayer
 from push_scenario.simulation.loop import (
-    ClosedLoop, first_observation, make_safety_layer, make_simulation, PLANNING_TIMES,
-)
+    ClosedLoop, first_observation, make_safety_layer, make_simulation, PLANNING_TIME)
 from push_scenario.simulation.robot_control import TaskControl
 from push_sim_node.sensors import SensorSettings
 from push_sim_node.simulation import Simulation
@@ -17,8 +16,7 @@ from push_view.live.display import RunDisplay
 from push_view.live.setup import Setup
 from push_view.messages import (
     collision_message, displacement_message, goal_message, map_message, scenario_message,
-    truth_message,
-)
+    truth_message)
 from push_view.server.commands import CommandRefused
 from push_view.server.message_log import MessageLog
 from push_view.wall_contact import Body, WallContact, WallContactDetector
@@ -51,8 +49,7 @@ class LiveRun:
         self._simulation: Simulation = make_simulation(scenario)
         self._walls = WallContactDetector(scenario.true_object, scenario.true_robot)
         observation = first_observation(self._simulation)
-        self._robot = TaskControl(scenario, setup.task,
-                                  PLANNING_TIMES[setup.task.planning.method])
+        self._robot = TaskControl(scenario, setup.task, PLANNING_TIME)
         self._robot.set_map(occupancy_map)
         safety: SafetyLayer = make_safety_layer(scenario)
         self._loop = ClosedLoop(self._simulation, self._robot, safety, observation)
@@ -73,7 +70,7 @@ class LiveRun:
     @property
     def is_standing(self) -> bool:
         """Whether the robot waits for a goal."""
-        return self._robot.controller.status.state.is_standing
+        return self._robot.supervisor.status.state.is_standing
 
     @property
     def object_pose(self) -> Pose:
@@ -103,11 +100,7 @@ class LiveRun:
         self._display.send_rows()
 
     def set_goal(self, goal: Pose) -> None:
-        """
-        Redirect the robot.
-
-        :param goal: ``Pose`` of the object.
-        """
+        """Redirect the robot."""
         self._robot.set_goal(goal)
         self._log.add(goal_message(self.shown_time, goal))
 
@@ -155,11 +148,7 @@ class LiveRun:
         self._log.add(truth_message(self.shown_time, obj))
 
     def set_sensors(self, sensors: SensorSettings) -> None:
-        """
-        Measure with other errors.
-
-        :param sensors: ``SensorSettings``.
-        """
+        """Measure with other errors."""
         self._simulation.set_sensors(sensors)
 
     def _show_start(self, setup: Setup) -> None:
@@ -195,5 +184,5 @@ class LiveRun:
         # Rows of the time inside the wall are not to be seen.
         self._simulation.rows.clear()
         self._simulation.command(STOP)
-        self._robot.controller.interrupt(str(contact))
+        self._robot.supervisor.interrupt(str(contact))
         self._log.add(collision_message(self.time, contact))

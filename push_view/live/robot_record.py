@@ -53,11 +53,7 @@ class RobotRecord:
         return max(0.0, self._time)
 
     def on_odometry(self, odometry: Odometry) -> None:
-        """
-        Add a row, where the last one is old enough.
-
-        :param odometry: ``Odometry``.
-        """
+        """Add a row, where the last one is old enough."""
         if self._start_time is None:
             self._start_time = odometry.time
         time = odometry.time - self._start_time
@@ -99,11 +95,7 @@ class RobotRecord:
             self.on_map(self._map.moved(correction))
 
     def on_object_pose(self, measured: ObjectPose) -> None:
-        """
-        Take note of where the object is.
-
-        :param measured: ``ObjectPose``.
-        """
+        """Take note of where the object is."""
         self._object_pose = measured.pose
 
     def on_goal(self, pose: Pose) -> None:
@@ -116,19 +108,11 @@ class RobotRecord:
         self._log.add(goal_message(self.time, pose))
 
     def on_plan(self, trajectory: PushTrajectory) -> None:
-        """
-        Show a plan.
-
-        :param trajectory: the ``PushTrajectory``.
-        """
+        """Show a plan."""
         self._log.add(push_message(self.time, trajectory))
 
     def on_map(self, occupancy_map: OccupancyMap) -> None:
-        """
-        Show a map.
-
-        :param occupancy_map: the ``OccupancyMap``.
-        """
+        """Show a map."""
         self._map = occupancy_map
         self._log.add(map_message(self.time, occupancy_map))
 
@@ -136,7 +120,6 @@ class RobotRecord:
         """
         Show a state, unless it is shown.
 
-        :param state: the ``TaskState``.
         :param reason: why, one sentence; empty where all goes as it should.
         """
         if (state, reason) != self._state:

@@ -7,7 +7,7 @@ from typing import Any
 
 from push_model.geometry import Pose, wrap_angle
 from push_navigation.occupancy_map import OccupancyMap
-from push_planner.map_search.planner import warm_up
+from push_planner.straight.map_search.planner import warm_up
 from push_view.live.live_run import LiveRun
 from push_view.live.settings import CONTACT_FRICTION, find_setting, FRICTION, with_friction
 from push_view.live.setup import Setup
@@ -69,7 +69,6 @@ class Session:
         """
         Do what the user asks for.
 
-        :param command: the ``Command``.
         :raises CommandRefused: where it cannot be done, with the reason; then nothing changes.
         """
         handlers: dict[type[Any], Callable[[Any], None]] = {

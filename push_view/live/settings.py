@@ -56,11 +56,7 @@ SENSOR_SETTINGS = (
 
 
 def friction_settings(obj: PushedObject) -> tuple[Setting, ...]:
-    """
-    List the true friction that can be changed.
-
-    :param obj: the ``PushedObject``.
-    """
+    """List the true friction that can be changed."""
     feet = tuple(Setting(f'{FRICTION}{i}', f'true friction of foot {i + 1}', 0.05, 1.0)
                  for i in range(len(obj.supports)))
     return (*feet, Setting(CONTACT_FRICTION, 'true friction of the contact', 0.0, 1.2))
@@ -70,7 +66,6 @@ def find_setting(obj: PushedObject, name: str, value: float) -> Setting:
     """
     Look a setting up, and check a value for it.
 
-    :param obj: the ``PushedObject``.
     :param name: of the setting.
     :param value: SI units.
     :raises CommandRefused: where there is none, or the value is out of its range.
@@ -89,7 +84,6 @@ def with_friction(obj: PushedObject, name: str, value: float) -> PushedObject:
     """
     Change one friction coefficient of an object.
 
-    :param obj: the ``PushedObject``.
     :param name: of one of ``friction_settings``.
     :param value: the coefficient.
     """
@@ -102,12 +96,7 @@ def with_friction(obj: PushedObject, name: str, value: float) -> PushedObject:
 
 
 def setting_messages(obj: PushedObject, sensors: SensorSettings) -> list[Message]:
-    """
-    Describe all settings with their values.
-
-    :param obj: the true ``PushedObject``.
-    :param sensors: ``SensorSettings``.
-    """
+    """Describe all settings with their values."""
     values = [*(support.friction_coefficient for support in obj.supports),
               obj.contact_friction_coefficient]
     return ([setting.to_message(value)

@@ -13,7 +13,6 @@ from push_model.files.parameter_files import (
 )
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject
-from push_planner.settings import TaskMethod
 from push_scenario.definition.placement import Placement
 from push_scenario.definition.scenario import Scenario
 from push_scenario.definition.task import Task
@@ -22,7 +21,6 @@ from push_view.live.settings import setting_messages
 from push_view.messages import controls_message, Message
 from push_view.server.commands import CommandRefused
 
-METHODS: tuple[TaskMethod, ...] = ('primitives', 'sequences')
 # A task has no open loop.
 TASK_LAWS = tuple(law for law in LAWS if law != 'open_loop')
 
@@ -34,7 +32,7 @@ class Setup:
 
     :param scenario: the ``Scenario``.
     :param task: its ``Task``.
-    :param choices: names of ``object``, ``robot``, ``law`` and ``method``.
+    :param choices: names of ``object``, ``robot`` and ``law``.
     """
 
     scenario: Scenario
@@ -46,7 +44,6 @@ class Setup:
         """
         Start from a scenario.
 
-        :param scenario: the ``Scenario``.
         :raises ValueError: where it has no task.
         """
         if scenario.task is None:
@@ -54,7 +51,7 @@ class Setup:
         return cls(scenario, scenario.task, {
             'object': _name_of(scenario.object, 'objects', read_object),
             'robot': _name_of(scenario.robot, 'robots', read_robot),
-            'law': scenario.control.control_law, 'method': scenario.task.planning.method})
+            'law': scenario.control.control_law})
 
     def with_choices(self, choices: Mapping[str, str]) -> Setup:
         """
@@ -69,33 +66,20 @@ class Setup:
         return dataclasses.replace(setup, choices={**self.choices, **choices})
 
     def with_true_object(self, obj: PushedObject) -> Setup:
-        """
-        Change the truth, of which the robot is not told.
-
-        :param obj: the true ``PushedObject``.
-        """
+        """Change the truth, of which the robot is not told."""
         return self._with_scenario(true_object=obj)
 
     def with_sensors(self, sensors: SensorSettings) -> Setup:
-        """
-        Change what the robot measures with.
-
-        :param sensors: ``SensorSettings``.
-        """
+        """Change what the robot measures with."""
         return self._with_scenario(sensors=sensors)
 
     def with_goal(self, goal: Pose) -> Setup:
-        """
-        Change the first goal.
-
-        :param goal: ``Pose`` of the object.
-        """
+        """Change the first goal."""
         return self._with_scenario(goal=Placement(*goal))
 
     def controls(self) -> Message:
         """Describe what can be chosen and changed, with its present values."""
-        options = {'object': _names('objects'), 'robot': _names('robots'), 'law': TASK_LAWS,
-                   'method': METHODS}
+        options = {'object': _names('objects'), 'robot': _names('robots'), 'law': TASK_LAWS}
         choices = [{'name': name, 'value': value,
                     'options': list(dict.fromkeys((value, *options[name])))}
                    for name, value in self.choices.items()]
@@ -116,13 +100,9 @@ class Setup:
         if name == 'law' and value in TASK_LAWS:
             return self._with_scenario(control=dataclasses.replace(
                 self.scenario.control, control_law=value))
-        if name == 'method' and value in METHODS:
-            task = dataclasses.replace(self.task, planning=dataclasses.replace(
-                self.task.planning, method=value))
-            return dataclasses.replace(self._with_scenario(task=task), task=task)
         raise CommandRefused(
-            f'choose.{name[:60]}: got {value[:60]!r}, expected an object, a robot, a law '
-            f'({", ".join(TASK_LAWS)}) or a method ({", ".join(METHODS)})')
+            f'choose.{name[:60]}: got {value[:60]!r}, expected an object, a robot or a '
+            f'law ({", ".join(TASK_LAWS)})')
 
 
 def _known(folder: str, value: str) -> Any:

@@ -31,7 +31,6 @@ def with_wall(occupancy_map: OccupancyMap, start: Coordinates,
     """
     Draw a straight wall.
 
-    :param occupancy_map: the ``OccupancyMap``.
     :param start: one end (x, y) [m].
     :param end: the other end (x, y) [m].
     :return: a map with the wall too.

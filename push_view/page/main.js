@@ -125,16 +125,6 @@ class App {
     this.player.isPlaying = !matchMedia('(prefers-reduced-motion: reduce)').matches;
   }
 
-  openBatch(report) {
-    this.player.showSpeeds(REPORT_SPEEDS);
-    setText(byId('title'), report.title);
-    this.batch = new Batch(report, (messages, table, name) => {
-      this.openRun(messages);
-      setText(byId('title'), `${report.title}: ${name}`);
-      this.panel.showResults(table, messages[messages.length - 1].notes);
-    });
-  }
-
   // A report: one of its runs at a time.
   openDocument(report) {
     const open = (run) => this.openRun(run.messages);
@@ -182,6 +172,5 @@ class App {
 const app = new App();
 embeddedDocument().then((report) => {
   if (!report) app.openConnection();
-  else if (report.tables) app.openBatch(report);
   else app.openDocument(report);
 });

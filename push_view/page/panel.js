@@ -3,7 +3,7 @@
 
 const STATES = {
   idle: 'idle', plan: 'plans', approach: 'drives to the object', align: 'probes for contact', push: 'pushes',
-  retreat: 'backs off', done: 'done', failed: 'failed', paused: 'paused',
+  retreat: 'backs off', done: 'done', missed: 'missed the goal', failed: 'failed', paused: 'paused',
   stopped: 'stopped' };
 // The panel is renewed this often while time runs [ms].
 const PANEL_PERIOD = 100;
@@ -90,10 +90,12 @@ class Panel {
   }
 
   showState(state, ending) {
-    const name = state ? stateName(state) : 'idle';
+    // Done with its commands, a law in open loop may have missed the goal.
+    const isMissed = Boolean(ending && ending.missed && ending.missed.length);
+    const name = isMissed ? 'missed' : state ? stateName(state) : 'idle';
     byId('state').dataset.state = name;
     setText(byId('state'), STATES[name] || name);
-    setText(byId('reason'), state && state.reason || ending && ending.reason || '');
+    setText(byId('reason'), state && state.reason || isMissed && ending.missed.join('; ') || ending && ending.reason || '');
   }
 
   setValue(name, text) {
@@ -169,7 +171,7 @@ class Panel {
       ...recording.goals.slice(1).map((message) => [message.time, 'new goal']),
       ...recording.displacements.map((message) => [message.time, 'somebody moves the object']),
       ...recording.collisions.map((message) => [message.time, `the ${message.body} touches a wall`]),
-      ...recording.endings.map((message) => [message.time, `run over: ${message.outcome}`]),
+      ...recording.endings.map((message) => [message.time, `run over: ${[message.outcome, ...(message.missed || [])].join('; ')}`]),
     ].sort((one, other) => one[0] - other[0]);
     byId('events').textContent = '';
     this.events = texts.map(([time, text]) => {

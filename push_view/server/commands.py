@@ -65,7 +65,7 @@ class Choose(NamedTuple):
     """
     Start over with something else.
 
-    :param choices: names of what is chosen (``object``, ``robot``, ``law``, ``method``) to names.
+    :param choices: names of what is chosen (``object``, ``robot``, ``law``) to names.
     """
 
     choices: Mapping[str, str]
@@ -122,7 +122,6 @@ def parse_command(text: str) -> Command:
     Read a command.
 
     :param text: JSON.
-    :return: the ``Command``.
     :raises CommandRefused: naming the field, what came and what was expected.
     """
     try:

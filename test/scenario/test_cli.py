@@ -8,10 +8,10 @@ import subprocess
 import sys
 
 from PIL import Image
-from push_scenario.batch.interrupts import Interrupts
 from push_scenario.cli import main
 from push_scenario.definition.catalogue import find_scenario, scenario_names
 from push_scenario.definition.loader import read_scenario, scenario_text
+from push_scenario.interrupts import Interrupts
 from push_sim_node.tape import Tape
 import pytest
 
@@ -97,7 +97,7 @@ def test_closed_loops_decide_where_laws_are_compared(tmp_path, capsys):
 def test_a_task_is_reported_and_drawn(tmp_path, capsys):
     assert replay(tmp_path, 'task_tap') == 0
     printed = capsys.readouterr().out
-    assert 'pushes' in printed and 'time of the best single push' in printed
+    assert 'pushes' in printed and 'time of a correcting push' in printed
     for suffix in ('png', 'html'):
         assert (tmp_path / 'out' / f'task_tap.{suffix}').is_file()
     assert not (tmp_path / 'out' / 'task_tap.gif').exists()

@@ -2,7 +2,7 @@
 
 import dataclasses
 
-from push_control.task.progress import MAP_TIME_LIMIT
+from push_control.behaviors.progress import MAP_TIME_LIMIT
 from push_scenario.dds.replay import run_over_dds
 from push_scenario.definition.loader import load_scenario
 from push_scenario.definition.placement import Placement

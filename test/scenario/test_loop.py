@@ -5,7 +5,7 @@ import itertools
 
 import numpy as np
 from push_model.signals import Odometry, STOP
-from push_planner.settings import TaskSettings
+from push_planner.task_planner import plan_steered_push
 from push_scenario.definition.loader import load_scenario
 from push_scenario.definition.task import Task
 from push_scenario.evaluation.metrics import is_as_expected, measure
@@ -24,13 +24,14 @@ class Standing(RobotControl):
     """A robot that stands until it ends the run, and keeps what it is asked."""
 
     def __init__(self, scenario, end_time):
-        super().__init__(scenario)
+        super().__init__(scenario, None)
         self.end_time = end_time
         self.steps = []
         self.plan_updates = []
 
-    controller = None
+    awaits_resume = False
     stage = 'standing'
+    awaits_resume = False
 
     def on_safety_report(self, fault, stop):
         """Ignore it."""
@@ -56,7 +57,7 @@ def standing(monkeypatch):
     def run(end_time=np.inf, **options):
         robots = []
 
-        def make(scenario, observation, planning_time):
+        def make(scenario, observation, planning_time, plan_push):
             robots.append(Standing(scenario, end_time))
             return robots[0]
 
@@ -109,8 +110,9 @@ def test_the_robot_ends_the_run_with_its_outcome_and_reason(standing):
 @pytest.mark.slow
 def test_a_push_and_a_task_with_one_push_agree():
     """Same plant, same sensors, same kind of result; the object rests at the same goal."""
-    sequences = Task(planning=TaskSettings(method='sequences'))
-    push, task = simulate(PUSH), simulate(dataclasses.replace(PUSH, task=sequences))
+    push = simulate(PUSH)
+    task = simulate(dataclasses.replace(PUSH, task=Task()),
+                    plan_push=lambda *args, **_: plan_steered_push(*args[:4]))
     assert push.tape.columns == task.tape.columns
     for prefix in ('object', 'robot'):
         assert np.array_equal(push.tape.poses(prefix)[0], task.tape.poses(prefix)[0])

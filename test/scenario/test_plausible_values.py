@@ -6,7 +6,7 @@ from typing import Any
 
 from helpers.objects import box
 from push_control.settings import ControlSettings
-from push_control.task.settings import SupervisionSettings
+from push_control.supervision_settings import SupervisionSettings
 from push_model.files.flat_values import from_parameter_values
 from push_model.files.mapping import from_mapping, Location
 from push_model.parameters import RoundRobot
@@ -31,7 +31,7 @@ CASES = [
     (ROBOT, 'max_acceleration', (THOUSANDTH, THOUSAND)),
     (DRIVE, 'speed acceleration clearance standoff retreat_distance', (THOUSANDTH, THOUSAND)),
     (DRIVE, 'yaw_rate yaw_acceleration', (THOUSANDTH, THOUSAND, DEGREES)),
-    (PLANNER, 'pushing_speed unsteered_speed end_speed', (THOUSANDTH, THOUSAND)),
+    (PLANNER, 'pushing_speed straight_speed end_speed', (THOUSANDTH, THOUSAND)),
     (PLANNER, 'max_angle_rate', (THOUSANDTH, THOUSAND, DEGREES)),
     (PLANNER, 'max_pushing_angle heading_tolerance', (THOUSAND, DEGREES)),
     (CONTROL, 'pose_timeout odometry_timeout start_speed acceleration deceleration '

@@ -4,14 +4,15 @@ import dataclasses
 import functools
 
 from helpers.tapes import make_result, make_tape, straight_plan, TIMES
+from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 import numpy as np
 from PIL import Image
 from push_control.task.status import TaskState
 from push_scenario.definition.loader import load_scenario
 from push_scenario.plots import animation
-from push_scenario.plots.drawing import draw_map, PUSH_COLORS, segments_of
-from push_scenario.plots.figure import draw_figure
+from push_scenario.plots.drawing import draw_map, GOAL, PUSH_COLORS, segments_of, WARNING
+from push_scenario.plots.figure import _scene, draw_figure
 from push_scenario.simulation.loop import simulate
 from push_scenario.simulation.result import Outcome, RunResult
 import pytest
@@ -95,6 +96,35 @@ def test_runs_stand_side_by_side(tmp_path):
             assert near(picture, PUSH_COLORS[0]) > 300
     (_, height), (two, lower), (three, _) = sizes
     assert two < three and lower <= height
+
+
+def missed_run():
+    """Make a run in open loop that is done 1 m before its goal."""
+    tape = make_tape(object_x=0.1 * TIMES, robot_x=0.1 * TIMES - 0.4, mode=1, force_n=1.0)
+    return dataclasses.replace(make_result(tape, straight_plan(), (2.0, 0.0, 0.0)),
+                               control_law='open_loop')
+
+
+def test_a_missed_goal_is_drawn_in_the_colour_of_warnings(tmp_path):
+    """With its bounds, and not in the green of a goal that is reached."""
+    figure = Figure()
+    axes = figure.add_subplot()
+    _scene(axes, missed_run())
+    title = axes.get_title(loc='left')
+    assert 'missed after 9.0 s, 1000 mm' in title and '(bounds 10.0 mm' in title
+    assert axes._left_title.get_color() == WARNING
+    colors = {to_hex(patch.get_facecolor()) for patch in axes.patches}
+    assert to_hex(GOAL) not in colors and to_hex(WARNING) in colors
+
+
+def test_a_state_that_is_entered_with_the_end_is_drawn(tmp_path):
+    """After the last row of the tape: it has that one."""
+    run = missed_run()
+    first, last = run.history
+    late = dataclasses.replace(run, history=(first, last._replace(time=TIMES[-1] + 0.01)))
+    assert [segment.rows for segment in segments_of(late)] == [
+        slice(0, len(TIMES)), slice(len(TIMES) - 1, len(TIMES))]
+    draw_figure([late], tmp_path / 'late.png')
 
 
 def test_a_run_in_which_nothing_moved_is_not_drawn():

@@ -1,9 +1,15 @@
 """The progress line, in a terminal and in a log."""
 
+import fcntl
 import io
+import os
+import struct
+import termios
+import threading
 
 from push_scenario.cli import ProgressLine
 from push_scenario.simulation.loop import Progress
+import pytest
 
 
 class Terminal(io.StringIO):
@@ -32,6 +38,60 @@ def test_terminal_shows_one_line_that_is_written_over():
     assert 90 < len(shown) < 110
     assert shown[-1].startswith('case: done, 10.0 s')
     assert all(len(after) >= len(before.rstrip()) for before, after in zip(shown, shown[1:]))
+
+
+def rows_of(text, columns):
+    """Count the lines of a window that a text takes, as a terminal wraps it."""
+    rows, column = 1, 0
+    for character in text:
+        if character == '\r':
+            column = 0
+        elif character == '\n':
+            rows, column = rows + 1, 0
+        else:
+            column += 1
+            if column > columns:
+                rows, column = rows + 1, 1
+    return rows
+
+
+def set_columns(stream, columns):
+    """Give the window of a pseudo terminal a width."""
+    fcntl.ioctl(stream, termios.TIOCSWINSZ, struct.pack('HHHH', 24, columns, 0, 0))
+
+
+@pytest.mark.parametrize('widths', [(80, 80), (40, 40), (80, 40), (40, 80)])
+def test_the_line_fits_into_the_window(widths):
+    """Also when that changes: nothing wraps before the last line, so that all is written over."""
+    master, slave = os.openpty()
+    received = []
+
+    def read():
+        while data := os.read(master, 4096):
+            received.append(data)
+            if b'the end' in b''.join(received):
+                break
+
+    reader = threading.Thread(target=read)
+    reader.start()
+    now = [0.0]
+    with os.fdopen(slave, 'w') as stream:
+        line = ProgressLine(stream, lambda: now[0], 'corner_push_mismatch, open_loop')
+        for call in range(180):
+            set_columns(stream, widths[call >= 90])
+            now[0] = 0.2 * call
+            line(Progress('pushing', 0.4 * call, 2.0 - call / 500))
+        line.end('the end')
+        reader.join()
+    os.close(master)
+    text = b''.join(received).decode()
+    progress, last = text.rsplit('\r', 1) if text.endswith('the end') else (
+        text[:text.index('the end')].rsplit('\r', 1))
+    shown = progress.split('\r')[1:]
+    assert len(shown) == 180 and last.startswith('corner_push_mismatch')
+    for half, columns in ((shown[:90], widths[0]), (shown[90:], widths[1])):
+        assert rows_of('\r'.join(half), columns) == 1
+        assert all('corner_push_mismatch, open_loop' in one for one in half)
 
 
 def test_log_gets_a_line_now_and_then():

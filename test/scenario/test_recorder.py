@@ -10,9 +10,8 @@ from helpers.extras import import_extra
 from nav_msgs.msg import Odometry
 from push_ros.conversions.primitives import to_stamp
 from push_ros.topics import TOPICS
-from push_scenario.dds.processes import private_domain
+from push_scenario.dds.private_network import private_domain
 from push_scenario.dds.recorder import BagWriter, RecordingFailed, stamp_of, TopicListener
-from push_scenario.dds.replay_client import local_discovery
 import pytest
 import rclpy
 from rclpy.context import Context
@@ -134,7 +133,7 @@ def test_the_listener_receives_every_message_in_order():
     """In bulk, as the bytes that were published."""
     # Serialized once: the padding between fields may hold anything.
     sent = [serialize_message(stamped(Odometry, 0.02 * number)) for number in range(500)]
-    with private_domain() as domain, local_discovery():
+    with private_domain() as domain:
         context = Context()
         rclpy.init(args=[], context=context, domain_id=domain)
         sender, receiver = (rclpy.create_node(name, context=context) for name in ('a', 'b'))

@@ -39,9 +39,20 @@ def test_columns_are_aligned():
     header = lines[0]
     ends = [header.index('open loop') + len('open loop'),
             header.index('feedback') + len('feedback')]
-    for line in lines[2:]:
+    rows = [line for line in lines[2:] if not line.startswith('open loop:')]
+    assert rows[-1].startswith('outcome')
+    for line in rows:
         for end in ends:
             assert line[end - 1] != ' ' and line[end:end + 1] in ('', ' ')
+
+
+def test_a_run_that_is_done_elsewhere_has_missed():
+    """By how much, and what the bound is; one that arrives is done."""
+    text = format_report(list(runs()))
+    assert cells(text, 'outcome') == ['missed', 'done']
+    assert text.splitlines()[-2:] == [
+        'open loop: missed, position error 30.0 mm, bound 10.0 mm',
+        'open loop: missed, heading error +5.73 deg, bound 1.50 deg']
 
 
 def test_a_refusal_is_reported_with_its_reason():

@@ -12,8 +12,8 @@ from push_scenario.evaluation.metrics import is_as_expected, measure
 from push_scenario.simulation.loop import simulate
 from push_scenario.simulation.result import Outcome
 from push_scenario.simulation.start import place_robot
-from push_study.chapter4.support_friction import gaussian_friction
 import pytest
+from studies.chapter4.support_friction import gaussian_friction
 
 pytestmark = pytest.mark.slow
 CLOSED_LOOPS = ('feedback', 'mpc')

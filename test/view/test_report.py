@@ -122,6 +122,15 @@ def test_what_was_not_recorded_is_not_known():
     assert all(row[-width:] == [None] * width for row in rows['rows'])
 
 
+def test_a_run_that_is_done_elsewhere_has_missed():
+    """The page is told by how much and against what bound; of one that arrives, nothing."""
+    for speed, missed in ((0.2, []), (0.1, ['position error 1000.0 mm, bound 10.0 mm'])):
+        tape = make_tape(object_x=speed * TIMES, robot_x=speed * TIMES - 0.4, mode=1)
+        ending, = of_kind(recording(make_result(tape, straight_plan(), (2.0, 0.0, 0.0))), 'ending')
+        assert ending['missed'] == missed
+        assert ending['outcome'] == ('missed' if missed else 'done')
+
+
 def test_a_refused_goal_is_reported_without_rows():
     """Nothing moved, and the reason is there."""
     refused = RunResult(load_scenario('unreachable_goal'), 'feedback', Outcome.REFUSED, 'too far')

@@ -1,0 +1,92 @@
+"""The command calibrate, as a new user runs it: over DDS, and without ROS."""
+
+import dataclasses
+import signal
+import subprocess
+import sys
+
+from helpers.node_bench import bench
+from push_model.files.flat_values import to_parameter_values
+from push_model.files.parameter_files import read_robot
+from push_ros.topics import SIM
+from push_scenario import load_scenario, simulate
+from push_scenario.calibration import cli
+from push_scenario.dds.private_network import private_environment
+from push_scenario.simulation.result import Outcome
+import pytest
+import yaml
+
+pytestmark = pytest.mark.slow
+SCENARIO = load_scenario('task_tap')
+# What a wheel does below it, and when it follows.
+LEAST, DEAD_TIME = 0.06, 0.14
+TRUE_ROBOT = dataclasses.replace(SCENARIO.robot, min_speed=LEAST, dead_time=DEAD_TIME)
+FILES = {'robot.yaml', 'sensors.yaml', 'params.yaml', 'report.txt', 'calibration.png'}
+
+
+@pytest.fixture
+def network(tmp_path_factory):
+    """Start a simulated base in lockstep, out of reach of its object; return its bench."""
+    parameters = {**to_parameter_values(SCENARIO.object, 'object.'),
+                  **to_parameter_values(TRUE_ROBOT, 'robot.'), 'lockstep': True, 'autostart': True,
+                  'robot_start': [-4.0, 0.0, 0.3]}
+    with bench(tmp_path_factory.mktemp('sim'), SIM, 'push_sim_node.sim_node', parameters) as b:
+        yield b
+
+
+def start(network, folder):
+    """Start the command, with the robot as its user states it."""
+    path = folder / 'my.yaml'
+    path.write_text(yaml.safe_dump({'/**': {'ros__parameters': {
+        **to_parameter_values(SCENARIO.object, 'object.'),
+        **to_parameter_values(SCENARIO.robot, 'robot.'), 'lockstep': True}}}))
+    return subprocess.Popen(
+        [sys.executable, '-m', 'push_scenario.calibration.cli', '--out', str(folder / 'out'),
+         '--ros-args', '--params-file', str(path)],
+        env=private_environment(network.node.context.get_domain_id()), text=True,
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+
+
+@pytest.mark.dds
+def test_interrupted_over_dds_it_writes_what_it_has(network, tmp_path):
+    """Ctrl-C while it drives: the base gets zeros, and there is a report."""
+    with start(network, tmp_path) as process:
+        for line in process.stderr:
+            if line.startswith('steps'):
+                process.send_signal(signal.SIGINT)
+                break
+        output, _ = process.communicate(timeout=120)
+        assert process.returncode == cli.INTERRUPTED
+    assert 'Ended early: it was interrupted' in output
+    assert {path.name for path in (tmp_path / 'out').iterdir()} == FILES
+
+
+@pytest.mark.dds
+def test_over_dds_the_base_is_measured_and_its_files_do_a_task(network, tmp_path):
+    """A base that is late and has a dead band does a task as it is measured."""
+    with start(network, tmp_path) as process:
+        output, errors = process.communicate(timeout=400)
+    assert process.returncode == cli.DONE, errors
+    assert 'lines' in errors
+    robot = read_robot(tmp_path / 'out' / 'robot.yaml')
+    assert robot.min_speed == pytest.approx(LEAST, abs=0.01)
+    assert robot.dead_time == pytest.approx(DEAD_TIME, abs=0.02)
+    result = simulate(dataclasses.replace(SCENARIO, robot=robot, true_robot=TRUE_ROBOT))
+    assert result.outcome is Outcome.DONE
+
+
+def test_without_ros_it_calibrates_the_robot_of_a_scenario(tmp_path, capsys):
+    """With all files, and the true values of the scenario's robot."""
+    assert cli.main(['--sim', 'task_tap', '--out', str(tmp_path)]) == cli.DONE
+    assert {path.name for path in tmp_path.iterdir()} == FILES
+    robot = read_robot(tmp_path / 'robot.yaml')
+    true = SCENARIO.true_robot
+    assert robot.time_constant == pytest.approx(true.time_constant, rel=0.2)
+    assert robot.dead_time < 0.02
+    assert 'dead time' in capsys.readouterr().out
+
+
+def test_what_it_cannot_use_is_named(tmp_path, capsys):
+    """A scenario that does not exist."""
+    assert cli.main(['--sim', 'no_such', '--out', str(tmp_path)]) == cli.MISUSE
+    assert 'no_such' in capsys.readouterr().err
