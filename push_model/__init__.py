@@ -17,12 +17,12 @@ if TYPE_CHECKING:
     from push_model.plan_request import PlanFailure, PlanRequest
     from push_model.quasi_static import quasi_static_yaw_rate, Vehicle, vehicle
     from push_model.signals import ObjectPose, Odometry, PoseCovariance, STOP, Twist
-    from push_model.trajectory import PushStyle, PushTrajectory
+    from push_model.trajectory import PushLine, PushStyle, PushTrajectory
 
 __all__ = [
     'Contact', 'contact_point', 'find_contact', 'FloatArray', 'FoundContact',
     'friction_center', 'normal_range', 'ObjectPose', 'Odometry', 'PlanFailure', 'PlanRequest',
-    'Pose', 'PoseCovariance', 'PushedObject', 'PushStyle', 'PushTrajectory',
+    'Pose', 'PoseCovariance', 'PushedObject', 'PushLine', 'PushStyle', 'PushTrajectory',
     'quasi_static_yaw_rate', 'RoundRobot', 'STOP', 'Support', 'Twist', 'Vehicle', 'vehicle',
     'with_friction_center', 'wrap_angle',
 ]
@@ -35,5 +35,5 @@ __getattr__, __dir__ = lazy_names(__name__, {
     'push_model.plan_request': ('PlanFailure', 'PlanRequest'),
     'push_model.quasi_static': ('quasi_static_yaw_rate', 'Vehicle', 'vehicle'),
     'push_model.signals': ('ObjectPose', 'Odometry', 'PoseCovariance', 'STOP', 'Twist'),
-    'push_model.trajectory': ('PushStyle', 'PushTrajectory'),
+    'push_model.trajectory': ('PushLine', 'PushStyle', 'PushTrajectory'),
 })

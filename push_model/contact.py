@@ -53,7 +53,6 @@ def rolling_constants(robot_radius: float, object_radius: float) -> RollingConst
 
     :param robot_radius: R_p, robot's radius of curvature at the contact [m], 0 to infinite.
     :param object_radius: R_s, object's radius of curvature at the contact [m], 0 to infinite.
-    :return: ``RollingConstants``.
     :raises ValueError: where both radii are 0 or both infinite, or one is negative.
     """
     for name, value in (('robot_radius', robot_radius), ('object_radius', object_radius)):
@@ -71,12 +70,7 @@ def rolling_constants(robot_radius: float, object_radius: float) -> RollingConst
 
 
 def curvature_radius(obj: PushedObject, contact: Contact) -> float:
-    """
-    Radius of curvature R_s of the object's outline at a contact [m].
-
-    :param obj: the ``PushedObject``.
-    :param contact: the ``Contact``.
-    """
+    """Radius of curvature R_s of the object's outline at a contact [m]."""
     return {'vertex': 0.0, 'face': math.inf, 'round': obj.radius}[contact.kind]
 
 
@@ -84,8 +78,6 @@ def contact_point(obj: PushedObject, contact: Contact) -> tuple[float, float]:
     """
     Contact point C in the object frame, (x, y) [m].
 
-    :param obj: the ``PushedObject``.
-    :param contact: the ``Contact``.
     :raises ValueError: where the outline has no such feature.
     """
     _check_feature(obj, contact)
@@ -104,8 +96,6 @@ def normal_range(obj: PushedObject, contact: Contact) -> tuple[float, float]:
     """
     Angles that the normal n can have at a contact, in the object frame.
 
-    :param obj: the ``PushedObject``.
-    :param contact: the ``Contact``.
     :return: (lowest, highest) angle of n [rad], highest - lowest in [0, pi]; equal except at a
         vertex.
     :raises ValueError: where the outline has no such feature.
@@ -149,12 +139,10 @@ def find_contact(obj: PushedObject, object_pose: Coordinates, robot_pose: Coordi
     """
     Find where a round robot touches the object, or would touch it first.
 
-    :param obj: the ``PushedObject``.
     :param object_pose: ``Pose`` of the object in the world.
     :param robot_pose: (x, y) of the robot's centre in the world [m]; a flat pusher needs its
         ``Pose``.
     :param robot_radius: R_p [m]; infinite for a flat pusher.
-    :return: ``FoundContact``.
     :raises ValueError: for a flat pusher without heading.
     """
     object_pose = Pose(*object_pose)
@@ -187,7 +175,6 @@ def robot_gap(obj: PushedObject, object_pose: Coordinates, robot_pose: Coordinat
     """
     Distance between a round robot and the object, negative on overlap [m].
 
-    :param obj: the ``PushedObject``.
     :param object_pose: ``Pose`` of the object in the world.
     :param robot_pose: (x, y) of the robot's centre in the world [m]; a flat pusher needs its
         ``Pose``.

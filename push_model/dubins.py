@@ -105,8 +105,8 @@ def dubins_paths(start: Coordinates, goal: Coordinates, radius_left: float,
     """
     radii = _radii(radius_left, radius_right)
     curvatures = {side: sign / radii.get(side, 1.0) for side, sign in SIDES.items()}
-    begin = Pose(*start)
-    found = [DubinsPath(begin, word, lengths, tuple(curvatures[side] for side in word))
+    start = Pose(*start)
+    found = [DubinsPath(start, word, lengths, tuple(curvatures[side] for side in word))
              for word, lengths in _words(start, goal, radii)]
     return sorted(found, key=lambda path: path.length)
 
@@ -140,9 +140,9 @@ def _circle_center(pose: Coordinates, side: str, radii: dict[str, float]) -> tup
     return pose[0] - offset * math.sin(pose[2]), pose[1] + offset * math.cos(pose[2])
 
 
-def _arc_length(side: str, begin: float, end: float, radii: dict[str, float]) -> float:
+def _arc_length(side: str, start: float, end: float, radii: dict[str, float]) -> float:
     """Length of the arc between two headings; a full circle by rounding counts as none."""
-    angle = (SIDES[side] * (end - begin)) % (2.0 * math.pi)
+    angle = (SIDES[side] * (end - start)) % (2.0 * math.pi)
     return 0.0 if 2.0 * math.pi - angle < 1e-9 else angle * radii[side]
 
 
@@ -150,7 +150,7 @@ def _arc_line_arc(headings: tuple[float, float], apart: tuple[float, float], wor
                   radii: dict[str, float]) -> list[Lengths]:
     """Path along the common tangent of the circles at start and goal, if they have one."""
     first, last = word[0], word[2]
-    begin, end = headings
+    start, end = headings
     between, bearing = math.hypot(*apart), math.atan2(apart[1], apart[0])
     cross = SIDES[first] * radii[first] - SIDES[last] * radii[last]
     if between < abs(cross):
@@ -158,9 +158,9 @@ def _arc_line_arc(headings: tuple[float, float], apart: tuple[float, float], wor
     heading = bearing + (math.asin(cross / between) if between > 0.0 else 0.0)
     if between < SAME_CENTER:
         # The bearing from one to the other says nothing; to follow it would take a full circle.
-        heading = begin
+        heading = start
     line = math.sqrt(between * between - cross * cross)
-    return [(_arc_length(first, begin, heading, radii), line,
+    return [(_arc_length(first, start, heading, radii), line,
              _arc_length(last, heading, end, radii))]
 
 
@@ -168,7 +168,7 @@ def _three_arcs(headings: tuple[float, float], apart: tuple[float, float], word:
                 radii: dict[str, float]) -> list[Lengths]:
     """Paths over a middle circle that touches those at start and goal, on either side of both."""
     outer, inner = word[0], word[1]
-    begin, end = headings
+    start, end = headings
     between, bearing = math.hypot(*apart), math.atan2(apart[1], apart[0])
     side_length = radii['L'] + radii['R']
     if between > 2.0 * side_length or between < 1e-12:
@@ -180,7 +180,7 @@ def _three_arcs(headings: tuple[float, float], apart: tuple[float, float], word:
         quarter = SIDES[outer] * 0.5 * math.pi
         leave = bearing + sign * base_angle + quarter
         join = bearing + math.pi - sign * base_angle + quarter
-        found.append((_arc_length(outer, begin, leave, radii),
+        found.append((_arc_length(outer, start, leave, radii),
                       _arc_length(inner, leave, join, radii),
                       _arc_length(outer, join, end, radii)))
     return found

@@ -50,11 +50,7 @@ class ObjectTerms(NamedTuple):
 
     @classmethod
     def of(cls, obj: PushedObject) -> 'ObjectTerms':
-        """
-        Take the terms from an object.
-
-        :param obj: the ``PushedObject``.
-        """
+        """Take the terms from an object."""
         supports = tuple((s.x, s.y, q) for s, q in zip(obj.supports, obj.capacities))
         return cls(obj.mass, obj.inertia, *obj.center_of_mass, supports, LoadTransfer.of(obj))
 
@@ -94,7 +90,6 @@ def moment_balance(terms: ObjectTerms, state: Iterable[Any], inputs: Iterable[An
     Nothing divides by speed: scaling all velocities (smoothing too) by v, accelerations by v^2,
     scales inertia by v^2 only.
 
-    :param terms: ``ObjectTerms``.
     :param state: ``State`` (or a sequence in its order).
     :param inputs: ``Input`` (or a sequence in its order).
     :param omega_dot: yaw acceleration of the object [rad/s^2].
@@ -190,7 +185,6 @@ def impulse(terms: ObjectTerms, state: Iterable[Any], dv_x: Any,
 
     The contact is taken to hold; the caller checks the impulse: J_n > 0 and |J_t| <= mu_c J_n.
 
-    :param terms: ``ObjectTerms``.
     :param state: ``State`` before the jump.
     :param dv_x: jump of the material velocity at C, world x [m/s].
     :param dv_y: jump of the material velocity at C, world y [m/s].
@@ -210,7 +204,6 @@ def equation_of_motion(obj: PushedObject, rolling: Rolling,
     """
     Build the equation of motion as a casadi function.
 
-    :param obj: the ``PushedObject``.
     :param rolling: (lam, R_e [m]).
     :param smoothing: speed below which support friction becomes viscous [m/s].
     :return: ``casadi.Function`` (state (7,), input (5,)) -> (rate (7,), contact force (2,) [N]).

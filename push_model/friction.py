@@ -56,7 +56,6 @@ def friction_center(obj: PushedObject) -> tuple[float, float]:
     """
     Centre of friction F in the object frame, ``p_F = sum q_i s_i / sum q_i`` [m].
 
-    :param obj: the ``PushedObject``.
     :return: (x, y) [m].
     :raises ValueError: where no support has friction.
     """
@@ -71,15 +70,14 @@ def c_squared(obj: PushedObject, angle: float) -> float:
 
     Near straight motion real supports act with this c^2, not with ``(tau_max / f_max)^2``.
 
-    :param obj: the ``PushedObject``.
     :param angle: direction of the push in the object frame [rad].
     :return: c^2 about F [m^2].
     :raises ValueError: where no support has friction.
     """
-    return c_squared_along(friction_spread(obj), angle)
+    return c_squared_along(friction_covariance(obj), angle)
 
 
-class FrictionSpread(NamedTuple):
+class FrictionCovariance(NamedTuple):
     """
     Friction-weighted mean products of the support coordinates about F, object axes [m^2].
 
@@ -93,38 +91,35 @@ class FrictionSpread(NamedTuple):
     y_y: float
 
 
-def friction_spread(obj: PushedObject) -> FrictionSpread:
+def friction_covariance(obj: PushedObject) -> FrictionCovariance:
     """
     Compute the mean products of the support coordinates.
 
-    :param obj: the ``PushedObject``.
     :raises ValueError: where no support has friction.
     """
     total = _total_capacity(obj)
     x_f, y_f = friction_center(obj)
     rows = [(q / total, support.x - x_f, support.y - y_f)
             for q, support in zip(obj.capacities, obj.supports)]
-    return FrictionSpread(sum(weight * x * x for weight, x, _ in rows),
-                          sum(weight * x * y for weight, x, y in rows),
-                          sum(weight * y * y for weight, _, y in rows))
+    return FrictionCovariance(sum(weight * x * x for weight, x, _ in rows),
+                              sum(weight * x * y for weight, x, y in rows),
+                              sum(weight * y * y for weight, _, y in rows))
 
 
-def c_squared_along(spread: FrictionSpread, angle: float) -> float:
+def c_squared_along(covariance: FrictionCovariance, angle: float) -> float:
     """
     Mean square of the support coordinates in a direction e, ``c^2 = e' <d d'> e`` [m^2].
 
-    :param spread: ``FrictionSpread``.
     :param angle: of e in the object frame [rad].
     """
     c, s = math.cos(angle), math.sin(angle)
-    return spread.x_x * c * c + 2.0 * spread.x_y * c * s + spread.y_y * s * s
+    return covariance.x_x * c * c + 2.0 * covariance.x_y * c * s + covariance.y_y * s * s
 
 
 def ellipsoid_c_squared(obj: PushedObject) -> float:
     """
     Square of ``tau_max / f_max``, which the ellipsoidal limit surface takes for c^2 [m^2].
 
-    :param obj: the ``PushedObject``.
     :raises ValueError: where no support has friction.
     """
     x_f, y_f = friction_center(obj)
@@ -141,7 +136,6 @@ def with_friction_center(obj: PushedObject, center: Coordinates) -> PushedObject
     support from F and S the weighted covariance of these positions: the smallest change, in
     weighted least squares, that keeps the sum of friction and puts F at ``center``.
 
-    :param obj: the ``PushedObject``.
     :param center: requested centre of friction, object frame (x, y) [m].
     :return: ``PushedObject`` with the same friction in all. Its centre is shifted less where the
         whole shift would leave a support with less than a tenth of its friction.
@@ -190,11 +184,7 @@ class LoadTransfer(NamedTuple):
 
     @classmethod
     def of(cls, obj: PushedObject) -> 'LoadTransfer | None':
-        """
-        Take the heights from an object; None where both are 0 and nothing shifts.
-
-        :param obj: the ``PushedObject``.
-        """
+        """Take the heights from an object; None where both are 0 and nothing shifts."""
         if not has_heights(obj):
             return None
         return cls(obj.contact_height, obj.center_of_mass_height, tuple(
@@ -223,11 +213,7 @@ class SlidingSupport(NamedTuple):
 
 
 def has_heights(obj: PushedObject) -> bool:
-    """
-    Say whether a push transfers loads.
-
-    :param obj: the ``PushedObject``.
-    """
+    """Say whether a push transfers loads."""
     return obj.contact_height > 0.0 or obj.center_of_mass_height > 0.0
 
 
@@ -257,7 +243,6 @@ def transferred_capacities(transfer: LoadTransfer, supports: Iterable[SlidingSup
     moment of ``load_moment``, whose contact force is ``m a_G - f``: two linear equations for f. No
     support is taken to lift.
 
-    :param transfer: ``LoadTransfer``.
     :param supports: ``SlidingSupport`` of each support.
     :param inertial_x: ``m a_G``, x [N].
     :param inertial_y: ``m a_G``, y [N].
@@ -295,8 +280,6 @@ def load_gradients(obj: PushedObject) -> tuple[tuple[float, float], ...]:
     ``eta_i = S^-1 d_i``: d_i is the position from the middle of the supports that carry a load at
     rest, S the sum of ``d_i d_i^T``. ``sum eta_i = 0`` and ``sum eta_i s_i^T = 1``, so
     that loads balance. A support without load at rest stays without.
-
-    :param obj: the ``PushedObject``.
     """
     return _load_gradients(
         tuple((support.x, support.y) for support in obj.supports),
@@ -321,8 +304,6 @@ def tipping_height(obj: PushedObject) -> float:
     Pushed in the direction e, the centre of pressure lies at ``z_C mu e``. On the edge between two
     corners a and b of the hull of the supports, from G, only these carry, so that
     ``z = |a + t (b - a)| / (mu_a + t (mu_b - mu_a))``, least over t and over the edges.
-
-    :param obj: the ``PushedObject``.
     """
     friction: dict[tuple[float, float], float] = {}
     for support, load in zip(obj.supports, obj.loads):
@@ -349,7 +330,6 @@ def check_tipping(obj: PushedObject) -> None:
     """
     Refuse an object that a push at its contact height tips over.
 
-    :param obj: the ``PushedObject``.
     :raises ValueError: naming the height at which it tips.
     """
     if not has_heights(obj):

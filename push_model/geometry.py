@@ -202,9 +202,9 @@ def lowest_vertex(outline: Polygon, n_x: float, n_y: float) -> int:
     :param n_y: of the direction.
     :return: number of the vertex.
     """
-    found, lowest = 0, math.inf
+    lowest_index, lowest = 0, math.inf
     for i in range(len(outline)):
         height = n_x * outline[i][0] + n_y * outline[i][1]
         if height < lowest:
-            found, lowest = i, height
-    return found
+            lowest_index, lowest = i, height
+    return lowest_index

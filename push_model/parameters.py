@@ -13,7 +13,8 @@ from typing import Any, get_args, Literal
 
 import numpy as np
 from push_model.geometry import BoolArray, Coordinates, FloatArray, Polygon
-from push_model.quantity import check, LEAST_RADIUS, MAX_HEIGHT, MAX_REACH, quantity, RADII
+from push_model.quantity import (
+    check, INFINITY, MAX_HEIGHT, MAX_REACH, MIN_RADIUS, quantity, RADII)
 
 
 # Standard acceleration of free fall, to the digits that friction coefficients deserve [m/s^2].
@@ -31,6 +32,12 @@ MAX_SUPPORT_RATIO = 5.0
 # Radius of gyration over the greatest distance of the outline from the origin: (least, greatest)
 # that are no mistake of a unit; chosen: a mass in the middle, and one beside the outline.
 GYRATION_RATIOS = 0.05, 5.0
+# Longest dead time that is no mistake of a unit [s]; chosen: no robot pushes with so much.
+MAX_DEAD_TIME = 1.0
+# Track over radius where no track is stated, and track of a point or a flat pusher [m]: those of
+# the bases in config/robots.
+TRACK_RATIO = 1.35
+DEFAULT_TRACK = 0.23
 
 # Kinematics of a base, and features of an outline that can be touched.
 Drive = Literal['differential', 'holonomic']
@@ -45,11 +52,12 @@ Outline = tuple[tuple[float, float], ...]
 class Support:
     """A support point of the object: its position, its load and its friction."""
 
-    x: float = quantity('position in the object frame, x', 'm')
-    y: float = quantity('position in the object frame, y', 'm')
-    friction_coefficient: float = quantity('Coulomb friction on the floor', '', 0.0, 10.0)
-    load_fraction: float = quantity('fraction of the weight, relative to the other supports; 0 '
-                                    'for all: as the mass centre has it', '', 0.0, default=0.0)
+    x: float = quantity('x in the object frame', 'm', is_basic=True)
+    y: float = quantity('y in the object frame', 'm', is_basic=True)
+    friction_coefficient: float = quantity('Coulomb friction on the floor', '', 0.0, 10.0,
+                                           is_basic=True)
+    load_fraction: float = quantity('share of the weight; all 0: from the mass centre', '', 0.0,
+                                    default=0.0)
 
     def __post_init__(self) -> None:
         """Validate the fields."""
@@ -65,23 +73,21 @@ class PushedObject:
     supports stand anywhere. An ``inertia`` of 0 is replaced at construction by that of the shape.
     """
 
-    mass: float = quantity('mass', 'kg', above=0.0, high=1000.0)
-    inertia: float = quantity('moment of inertia about the vertical axis through the mass centre; '
-                              '0: of a uniform plate', 'kg m^2', 0.0, default=0.0)
+    mass: float = quantity('mass', 'kg', above=0.0, high=1000.0, is_basic=True)
+    inertia: float = quantity('yaw inertia about the mass centre; 0: uniform plate', 'kg m^2', 0.0,
+                              default=0.0)
     supports: tuple[Support, ...] = quantity('supports that carry the object', default=())
-    outline: Outline = quantity('vertices (x, y) of the convex outline, counter-clockwise, in the '
-                                'object frame; empty for a disc', 'm', default=())
-    radius: float = quantity('radius of a disc-shaped outline, 0 for a polygon', 'm', 0.0,
-                             default=0.0)
-    center_of_mass: tuple[float, float] = quantity('mass centre (x, y) in the object frame', 'm',
+    outline: Outline = quantity('convex vertices (x, y), counter-clockwise; empty: disc', 'm',
+                                is_basic=True, default=())
+    radius: float = quantity('radius of a disc; 0: polygon', 'm', 0.0, is_basic=True, default=0.0)
+    center_of_mass: tuple[float, float] = quantity('(x, y) in the object frame', 'm',
                                                    default=(0.0, 0.0))
     contact_friction_coefficient: float = quantity('Coulomb friction between outline and robot',
-                                                   '', 0.0, 10.0, default=0.5)
-    contact_height: float = quantity('height above the floor at which the robot touches the '
-                                     'outline; with both heights 0 a push shifts no load', 'm',
-                                     0.0, MAX_HEIGHT, default=0.0)
-    center_of_mass_height: float = quantity('height of the mass centre above the floor', 'm', 0.0,
-                                            MAX_HEIGHT, default=0.0)
+                                                   '', 0.0, 10.0, is_basic=True, default=0.5)
+    contact_height: float = quantity('height of the contact; with both heights 0 no load shifts',
+                                     'm', 0.0, MAX_HEIGHT, default=0.0)
+    center_of_mass_height: float = quantity('height of the mass centre', 'm', 0.0, MAX_HEIGHT,
+                                            default=0.0)
 
     def __post_init__(self) -> None:
         """Validate the fields and the shape."""
@@ -114,9 +120,9 @@ class PushedObject:
     def _check_size(self) -> None:
         """Refuse what must be a mistake of a unit."""
         reach = self._reach
-        if not LEAST_RADIUS <= reach <= MAX_REACH:
+        if not MIN_RADIUS <= reach <= MAX_REACH:
             raise ValueError(f'PushedObject.outline: got a point {reach:g} m from the origin, '
-                             f'expected the farthest at {LEAST_RADIUS:g} to {MAX_REACH:g} m '
+                             f'expected the farthest at {MIN_RADIUS:g} to {MAX_REACH:g} m '
                              '(lengths are in metres)')
         for support in self.supports:
             away = math.hypot(support.x, support.y)
@@ -171,10 +177,12 @@ class RoundRobot:
     position that faces along its heading.
     """
 
-    radius: float = quantity('radius of the outline, 5 mm to 5 m; 0: a point, infinite: a flat '
-                             'pusher', 'm', 0.0, infinite=True, plausible=RADII)
-    drive: Drive = quantity('kinematics of the base', choices=DRIVES, default='differential')
-    max_speed: float = quantity('speed limit', 'm/s', above=0.0, high=10.0, default=0.5)
+    radius: float = quantity('5 mm to 5 m; 0: a point; infinite: a flat pusher', 'm', 0.0,
+                             infinite=True, plausible=RADII, is_basic=True)
+    drive: Drive = quantity('kinematics of the base', choices=DRIVES, is_basic=True,
+                            default='differential')
+    max_speed: float = quantity('speed limit', 'm/s', above=0.0, high=10.0, is_basic=True,
+                                default=0.5)
     max_yaw_rate: float = quantity('yaw rate limit', 'rad/s', above=0.0, high=50.0, default=2.0)
     max_acceleration: float = quantity('acceleration limit', 'm/s^2', above=0.0, high=100.0,
                                        default=1.0)
@@ -182,10 +190,34 @@ class RoundRobot:
                                            default=6.0)
     time_constant: float = quantity('first-order lag from command to motion', 's', 0.0, 5.0,
                                     default=0.1)
+    dead_time: float = quantity('time from a command until the base begins to follow it', 's', 0.0,
+                                MAX_DEAD_TIME, default=0.0)
+    min_speed: float = quantity('least speed that is not 0: of a wheel of a differential drive, '
+                                'of the translation of a holonomic base', 'm/s', 0.0, 1.0,
+                                default=0.0)
+    min_yaw_rate: float = quantity('least yaw rate of a holonomic base that is not 0', 'rad/s',
+                                   0.0, 5.0, default=0.0)
+    speed_step: float = quantity('step to which the base rounds speeds, of wheels or of the '
+                                 'translation of a holonomic base; 0: none', 'm/s', 0.0, 0.5,
+                                 default=0.0)
+    track: float = quantity('distance between the wheels of a differential drive; 0: 1.35 times '
+                            'the radius', 'm', 0.0, 10.0, default=0.0)
+    max_push_force: float = quantity('force with which the robot pushes before its wheels spin',
+                                     'N', above=0.0, infinite=True, default=INFINITY)
+    identify_base: bool = quantity('whether dead time and least speeds are learned from the '
+                                   'motion; else they are as stated', default=True)
 
     def __post_init__(self) -> None:
         """Validate the fields."""
         check(self)
+
+    @property
+    def wheel_track(self) -> float:
+        """Distance between the wheels, as stated or by the radius [m]."""
+        if self.track > 0.0:
+            return self.track
+        is_disc = 0.0 < self.radius < math.inf
+        return TRACK_RATIO * self.radius if is_disc else DEFAULT_TRACK
 
 
 @dataclasses.dataclass(frozen=True)

@@ -3,15 +3,36 @@
 import enum
 from typing import NamedTuple
 
-from push_model.geometry import Pose
+from push_model.geometry import distance, Pose, wrap_angle
 from push_model.parameters import PushedObject
 
 # Range of tolerances of a goal [m], [rad]; chosen: below it no sensor measures, and what the
 # planner lays about the goal grows without end; above it there is nothing to plan.
-LEAST_TOLERANCE, LARGEST_TOLERANCE = 1e-4, 1.0
+MIN_TOLERANCE, MAX_TOLERANCE = 1e-4, 1.0
 # Tolerances of a goal for which nobody asks for others [m], [rad]; chosen: what a camera measures,
 # and about a degree. What costs seconds to compute depends on them, so that nodes share them.
 POSITION_TOLERANCE, HEADING_TOLERANCE = 0.01, 0.0175
+
+
+class GoalTolerances(NamedTuple):
+    """
+    How near to its goal an object counts as there.
+
+    :param position: largest distance [m].
+    :param heading: largest heading error [rad].
+    """
+
+    position: float = POSITION_TOLERANCE
+    heading: float = HEADING_TOLERANCE
+
+    def contain(self, pose: Pose, goal: Pose) -> bool:
+        """
+        Tell whether an object is at its goal.
+
+        :param goal: goal ``Pose``.
+        """
+        return (distance(pose, goal) <= self.position
+                and abs(wrap_angle(pose.theta - goal.theta)) <= self.heading)
 
 
 class PlanRequest(NamedTuple):
@@ -47,12 +68,18 @@ class PlanRequest(NamedTuple):
     odometry_slope: float = 0.0
     odometry_drift: float = 0.0
 
+    @property
+    def tolerances(self) -> GoalTolerances:
+        """The ``GoalTolerances``."""
+        return GoalTolerances(self.position_tolerance, self.heading_tolerance)
+
 
 class PlanFailure(enum.Enum):
     """
     Reason why there is no plan.
 
-    Control flow compares these; the sentence with the numbers of the case is for people.
+    Control flow compares these; the sentence with the numbers of the case is for people. Messages
+    carry their number in this list, from 1 on: add members at its end.
     """
 
     INVALID_VALUE = 'a pose or an angle is not finite'
@@ -74,10 +101,10 @@ class PlanFailure(enum.Enum):
     NOT_CONVERGED = 'the search did not converge'
     NOT_ACCEPTED = 'a push was found, but it fails its acceptance test'
     NO_FEASIBLE_SITE = 'no contact site is feasible'
-    NO_SEQUENCE = 'no sequence of pushes leads to the goal'
     NOT_FREE = 'the object does not fit into the map at its start or goal'
     UNUSABLE_MAP = 'the map cannot be used'
     BLOCKED = 'obstacles or the end of the map are in the way'
     INVALID_REQUEST = 'the request cannot be read'
-    INVALID_PLAN = 'the plan cannot be read'
+    INVALID_PLAN = 'the plan cannot be used'
+    NO_ANSWER = 'the planner has not answered in time'
     INTERNAL_ERROR = 'the planner has made an error'

@@ -18,14 +18,14 @@ INFINITY = math.inf
 # Least values of what is above zero, by unit: less is meant in another unit. Chosen for robots of
 # 0.05 to 1 m and objects of 0.01 to 500 kg: far below what these need, and so that a thousandth of
 # what is usual, as of millimetres given in metres, is below it.
-LEAST_VALUES = {'m': 1e-3, 's': 5e-3, 'kg': 5e-3, 'Hz': 0.2, 'rad': 1e-3, 'm/s': 1e-3,
-                'rad/s': 0.02, 'm/s^2': 2e-3, 'rad/s^2': 0.02}
+MIN_VALUES = {'m': 1e-3, 's': 5e-3, 'kg': 5e-3, 'Hz': 0.2, 'rad': 1e-3, 'm/s': 1e-3,
+              'rad/s': 0.02, 'm/s^2': 2e-3, 'rad/s^2': 0.02}
 # Least standard deviation of a measurement [m], [rad]; chosen: a tenth of that of motion capture.
-LEAST_NOISE = 1e-5
+MIN_NOISE = 1e-5
 # Sizes beyond which a unit is mistaken [m]: radii of robots that are neither points nor flat
 # pushers, distances of the outline of an object from its origin, and heights; chosen likewise.
 RADII = 5e-3, 5.0
-LEAST_RADIUS = 1e-3
+MIN_RADIUS = 1e-3
 MAX_REACH = 20.0
 MAX_HEIGHT = 10.0
 # Angle beyond which somebody means degrees [rad]: a full turn.
@@ -35,6 +35,7 @@ MAX_ANGLE = 6.2832
 def quantity(description: str, unit: str = '', low: float = -INFINITY, high: float = INFINITY, *,
              above: float | None = None, choices: tuple[str, ...] | None = None,
              infinite: bool = False, plausible: tuple[float, float] | None = None,
+             is_dynamic: bool = True, is_basic: bool = False,
              default: object = dataclasses.MISSING) -> Any:
     """
     Describe one field of a parameter dataclass.
@@ -49,14 +50,19 @@ def quantity(description: str, unit: str = '', low: float = -INFINITY, high: flo
     :param infinite: whether infinity is a value too.
     :param plausible: what values of files and parameters are between, but for 0 and infinity,
         where ``check`` allows more for the sake of limits.
+    :param is_dynamic: whether another value takes effect while its group may be set at run time;
+        False for what something is built with that lives longer than a movement or a plan.
+    :param is_basic: whether a user of another robot or object has to think of it; else it is
+        advanced.
     :param default: value where none is given; the field is required without it.
     :return: a ``dataclasses.field`` that ``check`` understands; type checkers take it for a value
         of the field.
     """
-    if above == 0.0 and unit in LEAST_VALUES:
-        low, above = LEAST_VALUES[unit], None
+    if above == 0.0 and unit in MIN_VALUES:
+        low, above = MIN_VALUES[unit], None
     metadata = {'description': description, 'unit': unit, 'low': low, 'high': high,
-                'above': above, 'choices': choices, 'infinite': infinite, 'plausible': plausible}
+                'above': above, 'choices': choices, 'infinite': infinite, 'plausible': plausible,
+                'is_dynamic': is_dynamic, 'is_basic': is_basic}
     return dataclasses.field(default=default, metadata=metadata)
 
 

@@ -66,7 +66,6 @@ def vehicle_along(contact_point: tuple[float, float], arm: float, angle: float,
     :param arm: r, distance from C to F [m].
     :param angle: direction from C to F in the object frame [rad].
     :param square: c^2 of the supports along it [m^2].
-    :return: ``Vehicle``.
     """
     length = arm + square / arm
     return Vehicle(arm, square, angle, contact_point,
@@ -81,10 +80,8 @@ def vehicle(obj: PushedObject, contact_point: Coordinates,
 
     With heights, centre of friction and c^2 are those under the loads that the push shifts.
 
-    :param obj: the ``PushedObject``.
     :param contact_point: C in the object frame (x, y) [m].
     :param center: centre of friction to use in place of the object's own (x, y) [m].
-    :return: ``Vehicle``.
     :raises ValueError: where C coincides with the centre of friction: nothing steers there.
     """
     x_f, y_f = pushed_friction_center(obj, contact_point) if center is None else center
@@ -128,11 +125,9 @@ def straight_push(obj: PushedObject, contact_point: tuple[float, float], angle: 
     For supports of one mu, Z = mu z_C: the wheelbase is then ``r + mu z_C + (c_0^2 - (mu z_C)^2)
     / r``, with r and c_0 those at rest.
 
-    :param obj: the ``PushedObject``.
     :param contact_point: C in the object frame (x, y) [m].
     :param angle: direction of the push in the object frame [rad].
     :param center: centre of friction under the push, where it is known [m].
-    :return: ``StraightPush``.
     """
     slide = straight_slide(obj.contact_height, sliding_rows(obj), angle)
     x, y = slide.center if center is None else center
@@ -158,7 +153,6 @@ def sliding_rows(obj: PushedObject) -> list[tuple[float, ...]]:
     """
     List what ``straight_slide`` reads of the supports.
 
-    :param obj: the ``PushedObject``.
     :return: x, y [m], capacity at rest q [N], and ``mu eta`` (x, y) [1/m] of each support.
     """
     return [(support.x, support.y, capacity, support.friction_coefficient * gradient[0],
@@ -178,7 +172,6 @@ def straight_slide(height: float, rows: Any, angle: float) -> StraightSlide:
     :param height: of the contact, z_C [m].
     :param rows: ``sliding_rows``.
     :param angle: of e in the object frame [rad].
-    :return: ``StraightSlide``.
     """
     e_x, e_y = math.cos(angle), math.sin(angle)
     at_rest = along = across = 0.0
@@ -211,7 +204,6 @@ def pushed_friction_center(obj: PushedObject, contact_point: Coordinates) -> tup
     With heights it lies further ahead than at rest, and where friction differs from support to
     support also to the side of it.
 
-    :param obj: the ``PushedObject``.
     :param contact_point: C in the object frame (x, y) [m].
     """
     center = friction_center(obj)
@@ -231,7 +223,6 @@ def quasi_static_yaw_rate(obj: PushedObject, contact_point: Coordinates, v_x: fl
     """
     Quasi-static yaw rate on the supports themselves: ``sum (s_i - C) x f_i = 0``.
 
-    :param obj: the ``PushedObject``.
     :param contact_point: C in the object frame (x, y) [m].
     :param v_x: velocity imposed at C, object frame, x [m/s].
     :param v_y: velocity imposed at C, object frame, y [m/s].
@@ -265,7 +256,6 @@ def sliding_capacities(obj: PushedObject, transfer: LoadTransfer | None,
     """
     Friction capacities of the supports in slow sliding [N].
 
-    :param obj: the ``PushedObject``.
     :param transfer: its ``LoadTransfer``, or None.
     :param slides: sliding velocity of each support, object frame (x, y) [m/s].
     :param smoothing: speed below which support friction becomes viscous [m/s].
@@ -314,7 +304,6 @@ def compare_yaw_rates(obj: PushedObject, contact_point: tuple[float, float],
     """
     Compare the quasi-static limit on the supports with the ellipsoidal limit surface.
 
-    :param obj: the ``PushedObject``.
     :param contact_point: C in the object frame (x, y) [m].
     :param angles: alpha of each row [rad].
     :return: list of ``YawRates``.

@@ -99,16 +99,16 @@ def _between_columns(squares: Any, columns: int, row: Any, bounds: Any, lowest: 
     for j in range(columns):
         if squares[j] >= FAR:
             continue
-        begin = -FAR
+        start = -FAR
         while count > 0:
             other = lowest[count - 1]
-            begin = (squares[j] + j * j - squares[other] - other * other) / (2.0 * (j - other))
-            if begin > bounds[count - 1]:
+            start = (squares[j] + j * j - squares[other] - other * other) / (2.0 * (j - other))
+            if start > bounds[count - 1]:
                 break
             count -= 1
-            begin = -FAR
+            start = -FAR
         lowest[count] = j
-        bounds[count] = begin
+        bounds[count] = start
         count += 1
     if count == 0:
         return
@@ -119,8 +119,8 @@ def _between_columns(squares: Any, columns: int, row: Any, bounds: Any, lowest: 
         while index + 1 < count and bounds[index + 1] <= place:
             index += 1
         away = place - lowest[index]
-        found = away * away + squares[lowest[index]]
+        square = away * away + squares[lowest[index]]
         if j > 0:
-            row[j - 1] = min(row[j - 1], found)
+            row[j - 1] = min(row[j - 1], square)
         if j < columns:
-            row[j] = min(row[j], found)
+            row[j] = min(row[j], square)

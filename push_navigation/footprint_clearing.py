@@ -96,13 +96,9 @@ class FootprintClearing:
         return self._settings.footprint_clearing_enabled
 
     def set_object(self, obj: PushedObject) -> None:
-        """
-        Turn to another object, which has been nowhere yet; the former one is an obstacle now.
-
-        :param obj: the ``PushedObject``.
-        """
+        """Clear another object from now on; the previous one is an obstacle now."""
         self._object = _Trail(inflate(obj.outline, obj.radius, 0.0))
-        self._former: _Clearing | None = None
+        self._previous: _Clearing | None = None
 
     def record(self, time: float, object_pose: Pose | None, robot_pose: Pose | None) -> None:
         """
@@ -127,26 +123,26 @@ class FootprintClearing:
         if not self.is_enabled:
             return occupancy_map
         since = stamp - self._settings.footprint_clearing_time
-        margin, former = self._settings.footprint_clearing_margin, self._former
+        margin, previous = self._settings.footprint_clearing_margin, self._previous
         cells = np.zeros_like(occupancy_map.occupied)
-        if former is not None:
-            _carry_over(former, occupancy_map, cells)
+        if previous is not None:
+            _carry_over(previous, occupancy_map, cells)
         _mark(occupancy_map, self._object.shape, self._object.since(since), margin, cells)
         object_cells = cells.copy()
         _mark(occupancy_map, self._robot.shape, self._robot.since(since), margin, cells)
-        if (former is not None and former.occupancy_map is occupancy_map
-                and np.array_equal(former.cells, cells)):
-            return former.result
+        if (previous is not None and previous.occupancy_map is occupancy_map
+                and np.array_equal(previous.cells, cells)):
+            return previous.result
         result = occupancy_map.freed(cells)
-        self._former = _Clearing(occupancy_map, object_cells, cells, result)
+        self._previous = _Clearing(occupancy_map, object_cells, cells, result)
         return result
 
 
-def _carry_over(former: _Clearing, occupancy_map: OccupancyMap, cells: BoolArray) -> None:
+def _carry_over(previous: _Clearing, occupancy_map: OccupancyMap, cells: BoolArray) -> None:
     """Mark the cells that were cleared of the object, and have not been seen free since."""
-    rows, columns = np.nonzero(former.object_cells)
-    centers = former.occupancy_map.resolution * np.stack((columns + 0.5, rows + 0.5), axis=1)
-    places = occupancy_map.to_map(former.occupancy_map.from_map(centers))
+    rows, columns = np.nonzero(previous.object_cells)
+    centers = previous.occupancy_map.resolution * np.stack((columns + 0.5, rows + 0.5), axis=1)
+    places = occupancy_map.to_map(previous.occupancy_map.from_map(centers))
     columns, rows = np.floor(places / occupancy_map.resolution).astype(int).T
     height, width = cells.shape
     inside = (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
@@ -199,9 +195,9 @@ def _obstacle_numbers(rows: IntArray, columns: IntArray, is_left: BoolArray) -> 
     rows, columns = rows - rows.min(), columns - columns.min()
     occupied = np.zeros((rows.max() + 1, columns.max() + 1), dtype=np.bool_)
     occupied[rows[is_left], columns[is_left]] = True
-    numbers = np.empty(occupied.shape, dtype=np.int_)
-    label(occupied, NEIGHBOURS, output=numbers)
-    return numbers[rows, columns]
+    labels = np.empty(occupied.shape, dtype=np.int_)
+    label(occupied, NEIGHBOURS, output=labels)
+    return labels[rows, columns]
 
 
 def _distances(shape: InflatedObstacle, poses: list[Pose], points: FloatArray,

@@ -56,48 +56,47 @@ class GridGraph(NamedTuple):
     spacing: float
 
 
-def grid_waypoints(kept: MapClearance, body: InflatedObstacle, object_pose: Pose,
+def grid_waypoints(margins: MapClearance, body: InflatedObstacle, object_pose: Pose,
                    start: Coordinates, goal: Coordinates) -> list[Waypoint]:
     """
     Find the best route on a grid, and pull it straight.
 
     It is searched up to ``WINDOW_MARGINS`` beyond start and goal.
 
-    :param kept: ``MapClearance`` of the path.
+    :param margins: ``MapClearance`` of the path.
     :param body: ``InflatedObstacle`` that the robot's centre keeps out of.
-    :param object_pose: ``Pose`` of the object.
     :param start: (x, y) in the world [m].
     :param goal: (x, y) in the world [m].
     :return: list of ``Waypoint`` behind the start, with straight segments.
     :raises NoPathFound: where there is none.
     """
-    space = _FreeSpace(kept, body, object_pose)
+    space = _FreeSpace(margins, body, object_pose)
     ends = np.array([start, goal], dtype=float)
-    if space.sees(ends[0], ends[1:], kept.radius + _comfortable_gap(kept))[0]:
+    if space.sees(ends[0], ends[1:], margins.radius + _comfortable_gap(margins))[0]:
         return [Waypoint(*goal)]
-    windows = dict.fromkeys(_window(kept.room.occupancy_map, ends, margin)
+    windows = dict.fromkeys(_window(margins.context.occupancy_map, ends, margin)
                             for margin in WINDOW_MARGINS)
     for window in windows:
-        corners = _route_in_window(space, kept, ends, window)
+        corners = _route_in_window(space, margins, ends, window)
         if corners is not None:
             return [Waypoint(float(x), float(y)) for x, y in corners[1:]]
     raise NoPathFound('obstacles of the map, or the object between them, are in the way')
 
 
-def _route_in_window(space: '_FreeSpace', kept: MapClearance, ends: FloatArray,
+def _route_in_window(space: '_FreeSpace', margins: MapClearance, ends: FloatArray,
                      window: tuple[int, int, int, int]) -> FloatArray | None:
     """Find the corners of the best route in a part of the map; None where there is none."""
-    occupancy_map, gap = kept.room.occupancy_map, _comfortable_gap(kept)
-    grid = _grid_graph(occupancy_map, kept.radius + kept.margin, window)
+    occupancy_map, gap = margins.context.occupancy_map, _comfortable_gap(margins)
+    grid = _grid_graph(occupancy_map, margins.radius + margins.margin, window)
     links = [_links(space, grid, len(grid.points) + i, place) for i, place in enumerate(ends)]
     points = np.concatenate([grid.points, ends])
     free = space.keeps_off_object(grid) & (
-        grid.clearances >= kept.required(grid.points)[grid.edges].max(axis=1))
+        grid.clearances >= margins.required(grid.points)[grid.edges].max(axis=1))
     edges = np.concatenate([grid.edges[free], *links])
     clearances = np.concatenate([grid.clearances[free], *(
         occupancy_map.clearance(points[link[:, 1]]) for link in links)])
     lengths = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
-    shortfalls = np.clip(1.0 - (clearances - kept.radius) / gap, 0.0, 1.0)
+    shortfalls = np.clip(1.0 - (clearances - margins.radius) / gap, 0.0, 1.0)
     # Rounded, so that ties do not depend on how the map lies in the world.
     nearness = NEARNESS_COST * gap / COMFORTABLE_GAP
     costs = np.round(lengths * (1.0 + nearness * shortfalls), 6)
@@ -105,16 +104,16 @@ def _route_in_window(space: '_FreeSpace', kept: MapClearance, ends: FloatArray,
     return _straightened(space, points[route], grid.spacing) if route else None
 
 
-def _comfortable_gap(kept: MapClearance) -> float:
-    return COMFORTABLE_GAP if kept.counts_drift else DRIFTING_GAP
+def _comfortable_gap(margins: MapClearance) -> float:
+    return COMFORTABLE_GAP if margins.counts_drift else DRIFTING_GAP
 
 
 class _FreeSpace:
     """Places where the robot's centre may be."""
 
-    def __init__(self, kept: MapClearance, body: InflatedObstacle, object_pose: Pose) -> None:
-        self._kept = kept
-        self._map = kept.room.occupancy_map
+    def __init__(self, margins: MapClearance, body: InflatedObstacle, object_pose: Pose) -> None:
+        self._margins = margins
+        self._map = margins.context.occupancy_map
         self._body = body
         c, s = math.cos(object_pose.theta), math.sin(object_pose.theta)
         self._object_rotation = np.array([[c, -s], [s, c]])
@@ -126,15 +125,15 @@ class _FreeSpace:
 
     def gap_distances(self, points: FloatArray) -> FloatArray:
         """Distance of points from obstacles, as far as that is of concern."""
-        gap = _comfortable_gap(self._kept)
-        return np.minimum(self._map.clearance(points), self._kept.radius + gap)
+        gap = _comfortable_gap(self._margins)
+        return np.minimum(self._map.clearance(points), self._margins.radius + gap)
 
     def sees(self, place: FloatArray, points: FloatArray,
              clearances: FloatArray | float = 0.0) -> BoolArray:
         """Tell to which points the straight line from a place is free, with such clearances."""
         samples = _between(place[None, :], points, self._map.resolution / 2)
         found = self._map.clearance(samples)
-        free = found >= self._kept.required(samples) - 1e-9
+        free = found >= self._margins.required(samples) - 1e-9
         free[free] = self.distances(samples[free]) >= -1e-6
         least = found.reshape(len(points), -1).min(axis=1, initial=math.inf)
         return np.all(free.reshape(len(points), -1), axis=1) & (least >= clearances)
@@ -176,11 +175,11 @@ def _grid_graph(occupancy_map: OccupancyMap, clearance: float,
     cell_centers = np.stack((xs, ys), axis=-1).reshape(-1, 2) + 0.5
     points = occupancy_map.from_map(occupancy_map.resolution * cell_centers)
     free = occupancy_map.clearance(points) >= clearance
-    numbers = np.arange(len(points)).reshape(xs.shape)
+    indices = np.arange(len(points)).reshape(xs.shape)
     pairs: list[IntArray] = []
     for columns, rows in NEIGHBOURS:
-        low = numbers[max(0, -rows):numbers.shape[0] - max(0, rows), :numbers.shape[1] - columns]
-        high = numbers[max(0, rows):numbers.shape[0] + min(0, rows), columns:]
+        low = indices[max(0, -rows):indices.shape[0] - max(0, rows), :indices.shape[1] - columns]
+        high = indices[max(0, rows):indices.shape[0] + min(0, rows), columns:]
         pairs.append(np.stack((low.ravel(), high.ravel()), axis=1))
     edges = np.concatenate(pairs)
     edges = edges[free[edges].all(axis=1)]
@@ -205,12 +204,12 @@ def _between(first: FloatArray, last: FloatArray, spacing: float) -> FloatArray:
     return lines.reshape(-1, 2)
 
 
-def _links(space: _FreeSpace, grid: GridGraph, number: int, place: FloatArray) -> IntArray:
+def _links(space: _FreeSpace, grid: GridGraph, index: int, place: FloatArray) -> IntArray:
     """Edges, shape (k, 2), from a place with a number of its own to the grid points it sees."""
     away = np.linalg.norm(grid.points - place, axis=1)
     near = np.flatnonzero(away <= LINK_RANGE * grid.spacing)
     seen = near[space.sees(place, grid.points[near])]
-    return np.stack((np.full_like(seen, number), seen), axis=1)
+    return np.stack((np.full_like(seen, index), seen), axis=1)
 
 
 def _shortest_route(edges: IntArray, costs: FloatArray, count: int) -> list[int]:
@@ -240,12 +239,12 @@ def _straightened(space: _FreeSpace, corners: FloatArray, spacing: float) -> Flo
 
 def _shortcut(space: _FreeSpace, points: FloatArray) -> FloatArray:
     """Go on from each point to the last that it sees, without coming nearer to obstacles."""
-    kept, last = [points[0]], 0
+    margins, last = [points[0]], 0
     gaps = space.gap_distances(points)
     while last < len(points) - 1:
         # Between points of the route it may be a little nearer than at them.
         least = np.minimum.accumulate(gaps[last:])[1:] - SHORTCUT_LOSS
         seen = np.flatnonzero(space.sees(points[last], points[last + 1:], least))
         last += 1 + (int(seen[-1]) if seen.size else 0)
-        kept.append(points[last])
-    return np.array(kept)
+        margins.append(points[last])
+    return np.array(margins)

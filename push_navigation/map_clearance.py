@@ -39,7 +39,7 @@ WINDING = 1.3
 AXIS_PLACES = (-1.0, -0.7, -0.35, 0.0, 0.35, 0.7, 1.0)
 
 
-class PlaceUncertainty(NamedTuple):
+class PositionUncertainty(NamedTuple):
     """
     How uncertain the robot's place is, and how that grows.
 
@@ -65,20 +65,20 @@ class PlaceUncertainty(NamedTuple):
                        + (0.5 * self.drift * lengths * away) ** 2)
 
 
-CERTAIN = PlaceUncertainty()
+CERTAIN = PositionUncertainty()
 
 
-class Room(NamedTuple):
+class MapContext(NamedTuple):
     """
     What limits the room for a path.
 
     :param occupancy_map: the ``OccupancyMap``.
-    :param uncertainty: ``PlaceUncertainty`` of the robot.
+    :param uncertainty: ``PositionUncertainty`` of the robot.
     :param sigmas: standard deviations of its place by which it keeps clear of obstacles.
     """
 
     occupancy_map: OccupancyMap
-    uncertainty: PlaceUncertainty = CERTAIN
+    uncertainty: PositionUncertainty = CERTAIN
     sigmas: float = 2.0
 
 
@@ -86,7 +86,7 @@ class MapClearance(NamedTuple):
     """
     Clearance that one path keeps from obstacles.
 
-    :param room: ``Room``.
+    :param context: ``MapContext``.
     :param radius: of the robot [m].
     :param start: of the path (x, y) [m].
     :param margin: kept everywhere [m].
@@ -95,7 +95,7 @@ class MapClearance(NamedTuple):
         ``is_free``.
     """
 
-    room: Room
+    context: MapContext
     radius: float
     start: tuple[float, float]
     margin: float
@@ -111,13 +111,13 @@ class MapClearance(NamedTuple):
         :return: shape (n,).
         """
         away = np.hypot(*(np.asarray(points)[:, :2] - self.start).T)
-        uncertainty = self.room.uncertainty
+        uncertainty = self.context.uncertainty
         if not self.counts_drift:
             uncertainty = uncertainty._replace(drift=0.0)
         deviations = uncertainty.deviations(
             WINDING * away if lengths is None else lengths, away)
         # What the start lacks cannot be had near it.
-        margins = np.minimum(self.room.sigmas * deviations, self.gap + GAIN * away)
+        margins = np.minimum(self.context.sigmas * deviations, self.gap + GAIN * away)
         return self.radius + np.maximum(self.margin, margins)
 
     def is_free(self, poses: FloatArray, slack: float = 0.0) -> bool:
@@ -130,7 +130,7 @@ class MapClearance(NamedTuple):
         points = np.asarray(poses)[:, :2]
         steps = np.diff(points, axis=0)
         lengths = np.concatenate([[0.0], np.cumsum(np.hypot(*steps.T))])
-        clearance = self.room.occupancy_map.clearance(points)
+        clearance = self.context.occupancy_map.clearance(points)
         if np.all(clearance >= self.required(points, lengths) - slack):
             return True
         without_drift = self._replace(counts_drift=False).required(points)
@@ -151,14 +151,14 @@ class MapClearance(NamedTuple):
         :param others: what the deviations besides the drift need, shape (n,) [m].
         :param slack: that the clearance may lack [m].
         """
-        axes = self.room.sigmas * self.room.uncertainty.drift * np.column_stack(
+        axes = self.context.sigmas * self.context.uncertainty.drift * np.column_stack(
             [-levers[:, 1], levers[:, 0]])
         # What the start lacks cannot be had near it.
         away = np.hypot(*(points - points[0]).T)
         lengths = np.hypot(*axes.T)
         axes *= np.minimum(1.0, (self.gap + GAIN * away) / np.maximum(lengths, 1e-9))[:, None]
         for place in AXIS_PLACES:
-            found = self.room.occupancy_map.clearance(points + place * axes)
+            found = self.context.occupancy_map.clearance(points + place * axes)
             needed = self.radius + math.sqrt(1.0 - place * place) * others
             if np.any(found < needed - slack):
                 return False
@@ -166,29 +166,24 @@ class MapClearance(NamedTuple):
 
 
 def map_clearance(robot: RoundRobot, start: Pose, goal: Pose, settings: DriveSettings,
-                  room: Room) -> MapClearance:
+                  context: MapContext) -> MapClearance:
     """
     Find what a path keeps clear of obstacles, no more than it has at its start.
 
-    :param robot: the ``RoundRobot``.
-    :param start: ``Pose`` of the robot.
-    :param goal: ``Pose`` of the robot.
-    :param settings: ``DriveSettings``.
-    :param room: ``Room``.
     :raises NoPathFound: where the robot would overlap an obstacle at the start, or be too near to
         one at the goal.
     """
-    here, there = room.occupancy_map.clearance([start[:2], goal[:2]]).tolist()
+    here, there = context.occupancy_map.clearance([start[:2], goal[:2]]).tolist()
     if here < robot.radius:
         raise NoPathFound(f'the robot at {start.x:.2f} m, {start.y:.2f} m is in an obstacle of '
                           'the map, or too near to one')
     gap = here - robot.radius
-    kept = MapClearance(room, robot.radius, start[:2], min(settings.map_clearance, gap), gap)
-    if there < kept.radius + kept.margin:
+    margins = MapClearance(context, robot.radius, start[:2], min(settings.map_clearance, gap), gap)
+    if there < margins.radius + margins.margin:
         raise NoPathFound(f'the goal of the path, {goal.x:.2f} m, {goal.y:.2f} m, is too near to '
                           'an obstacle of the map')
-    least = kept._replace(counts_drift=False).required(np.array([goal[:2]]))
+    least = margins._replace(counts_drift=False).required(np.array([goal[:2]]))
     if there < float(least[0]):
         raise NoPathFound('the place of the robot is too uncertain for the goal of its path, '
                           f'{goal.x:.2f} m, {goal.y:.2f} m, so near to an obstacle of the map')
-    return kept
+    return margins

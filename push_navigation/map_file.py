@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from push_model.files.strict_yaml import load_yaml, ParameterFileError
 from push_model.geometry import FloatArray, Pose
 from push_navigation.occupancy_map import (
-    LARGEST_RESOLUTION, LEAST_RESOLUTION, RESOLUTION_RANGE,
+    MAX_RESOLUTION, MIN_RESOLUTION, RESOLUTION_RANGE,
 )
 
 UNKNOWN = -1
@@ -38,7 +38,7 @@ WHITE = 255.0
 # and comments; one white space ends it.
 _SPACE = rb'(?:\s+|#[^\n]*\n)+'
 PGM_HEADER = re.compile(rb'(P[25])' + 3 * (_SPACE + rb'(\d{1,9})') + rb'\s')
-GREATEST_PGM_VALUE = 65535
+MAX_PGM_VALUE = 65535
 PGM_PIXEL = re.compile(rb'\d{1,9}')
 
 
@@ -121,12 +121,11 @@ def read_map(path: str | Path) -> GridMap:
     Read a map.
 
     :param path: the YAML file; the image may be given relative to it.
-    :return: ``GridMap``.
     :raises ParameterFileError: naming file and field, what came and what was expected.
     """
     path = Path(path)
     fields = _Fields(path)
-    resolution = fields.number('resolution', LEAST_RESOLUTION, LARGEST_RESOLUTION,
+    resolution = fields.number('resolution', MIN_RESOLUTION, MAX_RESOLUTION,
                                RESOLUTION_RANGE)
     occupied = fields.number('occupied_thresh', 0.0, 1.0, 'a number from 0 to 1')
     free = fields.number('free_thresh', 0.0, occupied,
@@ -193,10 +192,10 @@ def _read_pgm(path: Path, data: bytes) -> _Image:
         raise ParameterFileError(f'{path}: got the header {data[:20]!r}, expected P2 or P5, '
                                  'columns, rows and largest value')
     columns, rows, largest = map(int, header.groups()[1:])
-    if not (columns and rows and 0 < largest <= GREATEST_PGM_VALUE):
+    if not (columns and rows and 0 < largest <= MAX_PGM_VALUE):
         raise ParameterFileError(
             f'{path}: got {columns} columns, {rows} rows and the largest value {largest}, '
-            f'expected at least 1 of each, and {GREATEST_PGM_VALUE} at most')
+            f'expected at least 1 of each, and {MAX_PGM_VALUE} at most')
     if header.group(1) == b'P2':
         values = np.array(_pgm_numbers(path, data[header.end():]), dtype=float)
     else:
@@ -213,7 +212,7 @@ def _pgm_numbers(path: Path, text: bytes) -> list[int]:
     words = re.sub(rb'#[^\n]*', b'', text).split()
     if not all(PGM_PIXEL.fullmatch(word) for word in words):
         raise ParameterFileError(f'{path}: got pixels that are no whole numbers of 0 to '
-                                 f'{GREATEST_PGM_VALUE}, expected those of a P2 file')
+                                 f'{MAX_PGM_VALUE}, expected those of a P2 file')
     return [int(word) for word in words]
 
 
@@ -233,6 +232,6 @@ def _read_png(path: Path) -> _Image:
     except OSError as error:
         raise ParameterFileError(f'{path}: {error}, expected a readable PNG') from error
     if is_deep:
-        return _Image(values[..., None] / GREATEST_PGM_VALUE)
+        return _Image(values[..., None] / MAX_PGM_VALUE)
     values = values / WHITE
     return _Image(values[..., :3], values[..., 3] if has_opacity else None)

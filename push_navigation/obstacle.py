@@ -99,7 +99,6 @@ class InflatedObstacle(NamedTuple):
 
         :param x: of the point, which is not inside [m].
         :param y: of the point [m].
-        :return: ``VisibilityCone``.
         """
         ahead = math.atan2(self.center[1] - y, self.center[0] - x)
         right, left, right_index, left_index = math.inf, -math.inf, 0, 0
@@ -144,7 +143,6 @@ def inflate(outline: Outline, object_radius: float, margin: float) -> InflatedOb
     :param outline: vertices of a polygon, counter-clockwise; empty for a disc.
     :param object_radius: of a disc [m].
     :param margin: distance by which it grows [m].
-    :return: ``InflatedObstacle``.
     """
     core = outline or ((0.0, 0.0),)
     count = len(core)

@@ -14,8 +14,8 @@ from push_navigation.obstacle import inflate, points_on_outline
 
 # Range of the sides of cells [m]; chosen: below it no sensor measures, and points on the rim of an
 # object, a few per cell, take all memory; above it a cell is a room.
-LEAST_RESOLUTION, LARGEST_RESOLUTION = 1e-3, 10.0
-RESOLUTION_RANGE = f'a length from {LEAST_RESOLUTION:g} to {LARGEST_RESOLUTION:g} m'
+MIN_RESOLUTION, MAX_RESOLUTION = 1e-3, 10.0
+RESOLUTION_RANGE = f'a length from {MIN_RESOLUTION:g} to {MAX_RESOLUTION:g} m'
 # Points on the rim of an object, per cell; chosen: a corner of an obstacle that pokes between two
 # of them is an eighth of a cell nearer than it seems.
 RIM_POINTS_PER_CELL = 4
@@ -28,7 +28,7 @@ class OccupancyMap:
     """
     An occupancy map; everything outside it is an obstacle.
 
-    :param resolution: side of a cell [m], from ``LEAST_RESOLUTION`` to ``LARGEST_RESOLUTION``.
+    :param resolution: side of a cell [m], from ``MIN_RESOLUTION`` to ``MAX_RESOLUTION``.
     :param origin: ``Pose`` in the world of the outer corner of the first cell; columns go along
         its x axis, rows along its y axis.
     :param occupied: whether each cell is an obstacle or unknown, shape (rows, columns).
@@ -36,7 +36,7 @@ class OccupancyMap:
     """
 
     def __init__(self, resolution: float, origin: Coordinates, occupied: ArrayLike) -> None:
-        if not LEAST_RESOLUTION <= resolution <= LARGEST_RESOLUTION:
+        if not MIN_RESOLUTION <= resolution <= MAX_RESOLUTION:
             raise ValueError(f'resolution: got {resolution!r}, expected {RESOLUTION_RANGE}')
         if not Pose(*origin).is_finite():
             raise ValueError(f'origin: got {tuple(origin)}, expected finite numbers')
@@ -156,7 +156,6 @@ class OccupancyMap:
         """
         Find the first pose at which the robot is nearer to an obstacle than a margin.
 
-        :param robot: the ``RoundRobot``.
         :param poses: (x, y, theta) or (x, y) in the world, shape (n, 3) or (n, 2).
         :param margin: distance [m].
         :return: number of the pose, or None.
@@ -169,7 +168,6 @@ class OccupancyMap:
         """
         Find the first pose at which the object is nearer to an obstacle than a margin.
 
-        :param obj: the ``PushedObject``.
         :param poses: of the object frame (x, y, theta) in the world, shape (n, 3).
         :param margin: distance [m].
         :return: number of the pose, or None.
@@ -189,7 +187,6 @@ class OccupancyMap:
         """
         Find the least clearance of the object at some poses [m]; negative where it collides.
 
-        :param obj: the ``PushedObject``.
         :param poses: of the object frame (x, y, theta) in the world, shape (n, 3).
         """
         poses = np.asarray(poses, dtype=float)
@@ -206,7 +203,6 @@ class OccupancyMap:
         """
         Tell whether the robot keeps a margin from all obstacles.
 
-        :param robot: the ``RoundRobot``.
         :param poses: (x, y, theta) or (x, y) in the world, shape (n, 3) or (n, 2).
         :param margin: distance [m].
         """
@@ -216,7 +212,6 @@ class OccupancyMap:
         """
         Tell whether the object keeps a margin from all obstacles.
 
-        :param obj: the ``PushedObject``.
         :param poses: of the object frame (x, y, theta) in the world, shape (n, 3).
         :param margin: distance [m].
         """

@@ -162,7 +162,6 @@ def sample_path(path: Path, robot: RoundRobot, spacing: float) -> FloatArray:
     """
     Sample a path densely.
 
-    :param path: the ``Path``.
     :param robot: the ``RoundRobot``, whose rim counts in rotations.
     :param spacing: largest distance between samples [m], above 0.
     :return: poses (x, y, theta), shape (n, 3), start and goal included.
@@ -182,11 +181,8 @@ def differential_path(start: Pose, goal: Pose, waypoints: Iterable[tuple[float, 
     """
     Lead a differential drive along waypoints; where they make corners, it rotates in place.
 
-    :param start: ``Pose``.
-    :param goal: ``Pose``.
     :param waypoints: ``Waypoint`` sequence, from behind the start to the goal.
     :param backwards: for each segment, whether the robot moves backwards.
-    :return: ``Path``.
     """
     poses: list[Pose] = [start]
     arc_angles: list[float] = []
@@ -208,20 +204,17 @@ def holonomic_path(start: Pose, goal: Pose, waypoints: Sequence[tuple[float, flo
     """
     Lead a holonomic base along waypoints; its heading changes evenly along the path.
 
-    :param start: ``Pose``.
-    :param goal: ``Pose``.
     :param waypoints: ``Waypoint`` sequence, from behind the start to the goal.
     :param keeps_heading: whether the heading stays on the first segment, and on the last.
-    :return: ``Path``.
     """
     places = [start, *(Pose(x, y, 0.0) for x, y, _ in waypoints)]
     arc_angles = [arc_angle for _, _, arc_angle in waypoints]
     lengths = [PathSegment(*ends).length for ends in zip(places, places[1:], arc_angles)]
     # The rotation is spread over these lengths.
     rotating = list(lengths)
-    for number, keeps in zip((0, -1), keeps_heading):
+    for end, keeps in zip((0, -1), keeps_heading):
         if keeps:
-            rotating[number] = 0.0
+            rotating[end] = 0.0
     total, heading_change = sum(rotating), wrap_angle(goal.theta - start.theta)
     poses, passed = [start], 0.0
     for place, length, part in zip(places[1:], lengths, rotating):

@@ -60,10 +60,8 @@ def limit_command(previous: Twist, requested: Twist, limits: DriveSettings, dt: 
     Bring a command within the limits, the change from the previous one included.
 
     :param previous: ``Twist`` that was commanded.
-    :param requested: ``Twist``.
     :param limits: ``DriveSettings`` within the limits of the robot.
     :param dt: time between the two [s].
-    :return: ``Twist``.
     """
     x, y = requested.v_x - previous.v_x, requested.v_y - previous.v_y
     change = math.hypot(x, y)
@@ -83,7 +81,6 @@ def keep_curvature(previous: Twist, requested: Twist, limits: DriveSettings, dt:
     :param requested: ``Twist`` of a differential drive.
     :param limits: ``DriveSettings`` within the limits of the robot.
     :param dt: time between the two [s].
-    :return: ``Twist``.
     """
     reached = (math.copysign(1.0, requested.omega) * previous.omega
                + limits.yaw_acceleration * dt)
@@ -110,12 +107,9 @@ def track_differential(section: MotionSection, pose: Pose, s: float, lateral: fl
     """
     Command of a differential drive: curvature by lateral offset and heading error.
 
-    :param section: the ``MotionSection``.
-    :param pose: ``Pose`` of the robot.
     :param s: arc length that it has come to [m].
     :param lateral: its offset to the left of the path [m].
     :param limits: ``DriveSettings`` within the limits of the robot.
-    :return: ``Twist``.
     """
     speed = section.speed(s)
     direction, curvature, offset = section.smooth_motion(s)
@@ -136,12 +130,9 @@ def track_holonomic(section: MotionSection, pose: Pose, s: float, lateral: float
     """
     Command of a holonomic base: along the path, sideways back to it, and to its heading there.
 
-    :param section: the ``MotionSection``.
-    :param pose: ``Pose`` of the robot.
     :param s: arc length that it has come to [m].
     :param lateral: its offset to the left of the path [m].
     :param limits: ``DriveSettings`` within the limits of the robot.
-    :return: ``Twist``.
     """
     speed = section.speed(s)
     direction, _, offset = section.smooth_motion(s)
@@ -201,13 +192,13 @@ class PathFollower:
         is_moving = bool(self._sections) and isinstance(self._sections[0], MotionSection)
         return max(0.0, sum(lengths) - (self._progress.distance if is_moving else 0.0))
 
-    def step(self, pose: Pose, dt: float) -> Twist:
+    def step(self, pose: Pose, dt: float, ahead: Pose | None = None) -> Twist:
         """
         Compute the next command.
 
         :param pose: ``Pose`` of the robot in the world.
         :param dt: time since the last step [s].
-        :return: ``Twist``.
+        :param ahead: ``Pose`` from which on this command takes effect; None for one lag ahead.
         :raises ValueError: where the pose or the time is not finite.
         """
         pose = Pose(*pose)
@@ -215,7 +206,7 @@ class PathFollower:
             raise ValueError(f'pose: got {tuple(pose)}, expected finite numbers')
         if not (math.isfinite(dt) and dt >= 0.0):
             raise ValueError(f'dt: got {dt!r}, expected a finite time of at least 0 [s]')
-        predicted = self._predict(pose, dt)
+        predicted = self._predict(pose, dt) if ahead is None else ahead
         if self._passes_end:
             self._check_passing(pose)
             stops = self.missed

@@ -14,7 +14,7 @@ from push_model.geometry import Pose, wrap_angle
 from push_model.parameters import PushedObject, RoundRobot
 from push_navigation.grid_planner import grid_waypoints
 from push_navigation.map_clearance import (
-    CERTAIN, map_clearance, MapClearance, PlaceUncertainty, Room,
+    CERTAIN, map_clearance, MapClearance, MapContext, PositionUncertainty,
 )
 from push_navigation.obstacle import inflate, InflatedObstacle
 from push_navigation.occupancy_map import OccupancyMap
@@ -75,7 +75,7 @@ class PathEnds(NamedTuple):
 
 def plan_path(robot: RoundRobot, obj: PushedObject, object_pose: Pose, start: Pose, goal: Pose,
               settings: DriveSettings, *, occupancy_map: OccupancyMap | None = None,
-              uncertainty: PlaceUncertainty = CERTAIN) -> Path:
+              uncertainty: PositionUncertainty = CERTAIN) -> Path:
     """
     Plan the quickest path to a pose that keeps clear of the object, and of obstacles.
 
@@ -85,14 +85,8 @@ def plan_path(robot: RoundRobot, obj: PushedObject, object_pose: Pose, start: Po
     Where a map has no room for the clearances, they are reduced.
 
     :param robot: the ``RoundRobot``, neither a point nor a flat pusher.
-    :param obj: the ``PushedObject``.
-    :param object_pose: ``Pose`` of the object.
-    :param start: ``Pose`` of the robot.
-    :param goal: ``Pose`` of the robot.
-    :param settings: ``DriveSettings``.
     :param occupancy_map: ``OccupancyMap``, or None for free floor all around.
-    :param uncertainty: ``PlaceUncertainty`` of the robot, for its clearance from obstacles.
-    :return: ``Path``.
+    :param uncertainty: ``PositionUncertainty`` of the robot, for its clearance from obstacles.
     :raises NoPathFound: where a pose lies inside the object, or obstacles are in the way.
     :raises ValueError: naming what is not finite, or a robot that is not round.
     """
@@ -100,28 +94,27 @@ def plan_path(robot: RoundRobot, obj: PushedObject, object_pose: Pose, start: Po
     object_pose, start, goal = (finite_pose(name, pose) for name, pose in (
         ('object_pose', object_pose), ('start', start), ('goal', goal)))
     return with_enough_room(
-        settings, None if occupancy_map is None else Room(occupancy_map, uncertainty),
-        lambda drive, room: path_with_clearance(robot, obj, object_pose, start, goal, drive,
-                                                room=room))
+        settings, None if occupancy_map is None else MapContext(occupancy_map, uncertainty),
+        lambda drive, context: path_with_clearance(robot, obj, object_pose, start, goal, drive,
+                                                   context=context))
 
 
-def with_enough_room(settings: DriveSettings, room: Room | None,
-                     plan: Callable[[DriveSettings, Room | None], Path]) -> Path:
+def with_enough_room(settings: DriveSettings, context: MapContext | None,
+                     plan: Callable[[DriveSettings, MapContext | None], Path]) -> Path:
     """
     Plan a path with the clearances of the settings, or with less where a map has no room for them.
 
-    :param settings: ``DriveSettings``.
-    :param room: ``Room``, or None for free floor all around.
-    :param plan: plans the path with ``DriveSettings`` in a ``Room``, or raises ``NoPathFound``.
-    :return: ``Path``.
+    :param context: ``MapContext``, or None for free floor all around.
+    :param plan: plans the path with ``DriveSettings`` in a ``MapContext``, or raises
+        ``NoPathFound``.
     :raises NoPathFound: as with the clearances of the settings.
     """
-    if room is None:
+    if context is None:
         return plan(settings, None)
     first_failure: NoPathFound | None = None
     for fraction, sigmas in CLEARANCE_STEPS:
         try:
-            return plan(settings.with_clearances(fraction), room._replace(sigmas=sigmas))
+            return plan(settings.with_clearances(fraction), context._replace(sigmas=sigmas))
         except NoPathFound as failure:
             first_failure = first_failure or failure
     raise first_failure or NoPathFound('no clearance is allowed')
@@ -129,18 +122,14 @@ def with_enough_room(settings: DriveSettings, room: Room | None,
 
 def path_with_clearance(robot: RoundRobot, obj: PushedObject, object_pose: Pose, start: Pose,
                         goal: Pose, settings: DriveSettings, *,
-                        room: Room | None = None) -> Path:
+                        context: MapContext | None = None) -> Path:
     """
     Plan the same path, with the clearances of the settings.
 
-    :param robot: the ``RoundRobot``.
-    :param obj: the ``PushedObject``.
     :param object_pose: ``Pose`` of the object, finite.
     :param start: ``Pose`` of the robot, finite.
     :param goal: ``Pose`` of the robot, finite.
-    :param settings: ``DriveSettings``.
-    :param room: ``Room``, or None for free floor all around.
-    :return: ``Path``.
+    :param context: ``MapContext``, or None for free floor all around.
     :raises NoPathFound: where a pose lies inside the object, or obstacles are in the way.
     """
     body = inflate(obj.outline, obj.radius, robot.radius + settings.clearance)
@@ -158,21 +147,21 @@ def path_with_clearance(robot: RoundRobot, obj: PushedObject, object_pose: Pose,
         waypoints = [Waypoint(*object_pose.transform((x, y)), arc_angle)
                      for x, y, arc_angle in route]
         paths += assemble_paths(robot, ends, waypoints, reversing)
-    if room is not None:
-        kept = map_clearance(robot, start, goal, settings, room)
-        spacing = room.occupancy_map.resolution
-        paths = [path for path in paths if kept.is_free(sample_path(path, robot, spacing))]
+    if context is not None:
+        margins = map_clearance(robot, start, goal, settings, context)
+        spacing = context.occupancy_map.resolution
+        paths = [path for path in paths if margins.is_free(sample_path(path, robot, spacing))]
         if not paths:
-            paths = [path for waypoints in _grid_routes(kept, body, object_pose, ends)
+            paths = [path for waypoints in _grid_routes(margins, body, object_pose, ends)
                      for path in assemble_paths(robot, ends, waypoints, reversing)
-                     if kept.is_free(sample_path(path, robot, spacing), GRID_SLACK)]
+                     if margins.is_free(sample_path(path, robot, spacing), GRID_SLACK)]
         if not paths:
             raise NoPathFound('obstacles of the map leave no room for a robot whose place is '
                               'uncertain')
     return min(paths, key=lambda path: travel_time(path, robot, settings))
 
 
-def _grid_routes(kept: MapClearance, body: InflatedObstacle, object_pose: Pose,
+def _grid_routes(margins: MapClearance, body: InflatedObstacle, object_pose: Pose,
                  ends: PathEnds) -> Iterator[list[Waypoint]]:
     """
     Generate routes on a grid: one that is free wherever the robot drifts, or may be.
@@ -180,11 +169,11 @@ def _grid_routes(kept: MapClearance, body: InflatedObstacle, object_pose: Pose,
     :raises NoPathFound: where there is none at all.
     """
     try:
-        yield grid_waypoints(kept, body, object_pose, ends.departure.place, ends.arrival.place)
+        yield grid_waypoints(margins, body, object_pose, ends.departure.place, ends.arrival.place)
     except NoPathFound:
-        if kept.room.uncertainty.drift == 0.0:
+        if margins.context.uncertainty.drift == 0.0:
             raise
-        yield grid_waypoints(kept._replace(counts_drift=False), body, object_pose,
+        yield grid_waypoints(margins._replace(counts_drift=False), body, object_pose,
                              ends.departure.place, ends.arrival.place)
 
 
@@ -192,7 +181,6 @@ def check_robot(robot: RoundRobot) -> None:
     """
     Check that a robot is round.
 
-    :param robot: the ``RoundRobot``.
     :raises ValueError: where it is a point or a flat pusher.
     """
     if not 0.0 < robot.radius < math.inf:
@@ -205,7 +193,6 @@ def waypoints_around_object(body: InflatedObstacle, start: tuple[float, float],
     """
     Find the shortest routes past the object: the straight one, or those to either side of it.
 
-    :param body: ``InflatedObstacle``.
     :param start: (x, y), not inside [m].
     :param goal: (x, y), not inside [m].
     :return: list of routes, each a list of ``Waypoint`` without the start.
@@ -227,8 +214,8 @@ def waypoints_around_object(body: InflatedObstacle, start: tuple[float, float],
     return routes
 
 
-def _edge_direction(core: Sequence[tuple[float, float]], number: int, following: int) -> float:
-    (x0, y0), (x1, y1) = core[number], core[following]
+def _edge_direction(core: Sequence[tuple[float, float]], index: int, following: int) -> float:
+    (x0, y0), (x1, y1) = core[index], core[following]
     return math.atan2(y1 - y0, x1 - x0)
 
 
@@ -237,7 +224,6 @@ def _wound_round(body: InflatedObstacle, side: float, vertices: Sequence[int],
     """
     Find the tangent points of a route round corners, with the arcs between them.
 
-    :param body: ``InflatedObstacle``.
     :param side: 1 counter-clockwise round the object, -1 clockwise.
     :param vertices: numbers of the corners.
     :param directions: of motion before each corner and after the last [rad].
@@ -266,7 +252,6 @@ def departure_from_start(robot: RoundRobot, body: InflatedObstacle, pose: Pose,
     """
     Find the straight segment off the object from the robot's pose.
 
-    :param robot: the ``RoundRobot``.
     :param body: ``InflatedObstacle``, inflated by the robot's radius and the clearance.
     :param pose: ``Pose`` of the robot in the object frame.
     :param clearance: distance from the object at which the segment ends [m].
@@ -282,7 +267,6 @@ def departure_from_goal(robot: RoundRobot, body: InflatedObstacle, pose: Pose,
     """
     Find the straight segment off the object from the goal; the robot arrives along it.
 
-    :param robot: the ``RoundRobot``.
     :param body: ``InflatedObstacle``, inflated by the robot's radius and the clearance.
     :param pose: goal ``Pose`` in the object frame.
     :param clearance: distance from the object at which the segment ends [m].
@@ -297,7 +281,6 @@ def check_start(robot: RoundRobot, body: InflatedObstacle, pose: Pose, clearance
     """
     Check that a path can start at a pose.
 
-    :param robot: the ``RoundRobot``.
     :param body: ``InflatedObstacle``, inflated by the robot's radius and the clearance.
     :param pose: ``Pose`` of the robot in the object frame.
     :param clearance: by which it is inflated [m].
@@ -345,8 +328,6 @@ def assemble_paths(robot: RoundRobot, ends: PathEnds, waypoints: Sequence[Waypoi
     """
     Join departure, waypoints and arrival: forwards, and backwards too where that is short.
 
-    :param robot: the ``RoundRobot``.
-    :param ends: ``PathEnds``.
     :param waypoints: from behind the end of the departure to the start of the arrival.
     :param max_reverse_distance: longest path on which a differential drive moves backwards [m].
     :return: list of ``Path``.
@@ -377,7 +358,6 @@ def finite_pose(name: str, pose: Pose) -> Pose:
     Return a pose, of which all numbers are finite.
 
     :param name: of the pose, for the message.
-    :param pose: the ``Pose``.
     :raises ValueError: where one is not.
     """
     pose = Pose(*pose)

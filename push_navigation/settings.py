@@ -16,40 +16,33 @@ MAX_ADDED_CLEARANCE = 0.06
 class DriveSettings:
     """Speeds and distances of the robot on its path; the robot's own limits hold besides."""
 
-    speed: float = quantity('speed on the path', 'm/s', above=0.0, high=10.0, default=0.4)
-    yaw_rate: float = quantity('yaw rate on the path', 'rad/s', above=0.0, high=50.0, default=1.9)
-    acceleration: float = quantity('acceleration on the path', 'm/s^2', above=0.0, high=100.0,
-                                   default=0.8)
-    yaw_acceleration: float = quantity('yaw acceleration on the path', 'rad/s^2', above=0.0,
+    speed: float = quantity('speed of the robot alone', 'm/s', above=0.0, high=10.0, is_basic=True,
+                            default=0.4)
+    yaw_rate: float = quantity('yaw rate of the robot alone', 'rad/s', above=0.0, high=50.0,
+                               default=1.9)
+    acceleration: float = quantity('acceleration of the robot alone', 'm/s^2', above=0.0,
+                                   high=100.0, default=0.8)
+    yaw_acceleration: float = quantity('yaw acceleration of the robot alone', 'rad/s^2', above=0.0,
                                        high=200.0, default=5.0)
-    clearance: float = quantity('distance that a robot whose pose is certain keeps from the '
-                                'object', 'm', above=0.0, high=1.0, default=0.03)
-    map_clearance: float = quantity('distance that the robot keeps from obstacles of a map, more '
-                                    'where its place is uncertain; the object keeps half of it '
-                                    'besides the uncertainty of the push; 0.4 of both where there '
-                                    'is no more room', 'm', 0.0, 1.0, default=0.05)
-    standoff: float = quantity('gap at which the straight final approach to the contact begins',
-                               'm', above=0.0, high=1.0, default=0.06)
-    retreat_distance: float = quantity('length of the straight path off the object after a push',
-                                       'm', above=0.0, high=1.0, default=0.15)
-    max_reverse_distance: float = quantity('longest path round the object on which a differential '
-                                           'drive moves backwards', 'm', 0.0, 100.0, default=0.5)
-    reverse_limit: float = quantity('distance that a differential drive moves backwards at a '
-                                    'time, more only where it has to leave the object; for bases '
-                                    'that limit it, as Create 3 does', 'm', above=0.0, high=100.0,
-                                    default=100.0)
+    clearance: float = quantity('distance to the object besides pose uncertainty', 'm', above=0.0,
+                                high=1.0, default=0.03)
+    map_clearance: float = quantity('distance to obstacles of a map; half of it for the object',
+                                    'm', 0.0, 1.0, is_basic=True, default=0.05)
+    standoff: float = quantity('gap at which the straight approach starts', 'm', above=0.0,
+                               high=1.0, default=0.06)
+    retreat_distance: float = quantity('straight retreat after a push', 'm', above=0.0, high=1.0,
+                                       default=0.15)
+    max_reverse_distance: float = quantity('longest reverse path of a differential drive', 'm',
+                                           0.0, 100.0, default=0.5)
+    reverse_limit: float = quantity('reverse distance that the base allows at a time', 'm',
+                                    above=0.0, high=100.0, default=100.0)
 
     def __post_init__(self) -> None:
         """Validate the fields."""
         check(self)
 
     def limited_to(self, robot: RoundRobot) -> 'DriveSettings':
-        """
-        Limit speeds and accelerations to those of a robot.
-
-        :param robot: the ``RoundRobot``.
-        :return: ``DriveSettings``.
-        """
+        """Limit speeds and accelerations to those of a robot."""
         return _limited(self, robot)
 
     def with_clearances(self, fraction: float) -> 'DriveSettings':
@@ -57,7 +50,6 @@ class DriveSettings:
         Reduce the clearances from object and obstacles.
 
         :param fraction: what remains of them.
-        :return: ``DriveSettings``.
         """
         return dataclasses.replace(self, clearance=fraction * self.clearance,
                                    map_clearance=fraction * self.map_clearance)
@@ -67,7 +59,6 @@ class DriveSettings:
         Widen the clearance, as the robot may be elsewhere than it is estimated to be.
 
         :param deviation: standard deviation of the robot's position [m].
-        :return: ``DriveSettings``.
         """
         added = min(MAX_ADDED_CLEARANCE, CLEARANCE_SIGMAS * deviation)
         return dataclasses.replace(self, clearance=min(1.0, self.clearance + added))
@@ -77,20 +68,15 @@ class DriveSettings:
 class MapSettings:
     """What counts as an obstacle in a map; names as in Nav2, where it has the same."""
 
-    allow_unknown: bool = quantity('cells of which nothing is known are free, else obstacles',
-                                   default=False)
-    lethal_cost_threshold: float = quantity(
-        'value from which on a cell is an obstacle: probability in percent, in a costmap its '
-        'cost, where 99 is the robot itself and 100 the obstacle', '', 1.0, 100.0, default=50.0)
-    footprint_clearing_enabled: bool = quantity(
-        'obstacles where object or robot have been since the map was made are none: for costmaps '
-        'that show the object or the robot as obstacles', default=False)
-    footprint_clearing_margin: float = quantity(
-        'distance from the footprint up to which an obstacle that does not go on beyond it is '
-        'cleared, too', 'm', 0.0, 0.5, default=0.08)
-    footprint_clearing_time: float = quantity(
-        'age that measurements in a map may have at its stamp, as those of the laser in a '
-        'costmap', 's', 0.0, 60.0, default=1.0)
+    allow_unknown: bool = quantity('unknown cells are free, else obstacles', default=False)
+    lethal_cost_threshold: float = quantity('occupancy or cost from which a cell is an obstacle',
+                                            '', 1.0, 100.0, default=50.0)
+    footprint_clearing_enabled: bool = quantity('clear obstacles where object or robot have been',
+                                                default=False)
+    footprint_clearing_margin: float = quantity('margin of the footprint for clearing', 'm', 0.0,
+                                                0.5, default=0.08)
+    footprint_clearing_time: float = quantity('largest age of measurements in a map', 's', 0.0,
+                                              60.0, default=1.0)
 
     def __post_init__(self) -> None:
         """Validate the fields."""

@@ -71,7 +71,6 @@ def segment_limits(segment: PathSegment, limits: DriveSettings) -> SegmentLimits
 
     :param segment: the ``PathSegment``, with a length above 0.
     :param limits: ``DriveSettings`` within the limits of the robot.
-    :return: ``SegmentLimits``.
     """
     speed, acceleration = limits.speed, limits.acceleration
     length = segment.length
@@ -92,7 +91,6 @@ def is_continuous(before: PathSegment, after: PathSegment) -> bool:
     """
     Tell whether the robot need not stop between two segments.
 
-    :param before: ``PathSegment``.
     :param after: the ``PathSegment`` that follows.
     """
     if before.length == 0.0 or after.length == 0.0:
@@ -159,14 +157,14 @@ class JointSpeeds(NamedTuple):
     speeds: list[float]
     windows: list[float]
 
-    def ramp_length(self, number: int, length: float) -> float:
+    def ramp_length(self, index: int, length: float) -> float:
         """
         Length on which the speed changes on a segment [m].
 
-        :param number: of the segment.
+        :param index: of the segment.
         :param length: of the segment [m].
         """
-        return max(0.0, length - self.windows[number] - self.windows[number + 1])
+        return max(0.0, length - self.windows[index] - self.windows[index + 1])
 
 
 def joint_speeds(segments: Sequence[PathSegment], limits: DriveSettings, *,
@@ -178,7 +176,6 @@ def joint_speeds(segments: Sequence[PathSegment], limits: DriveSettings, *,
     :param limits: ``DriveSettings`` within the limits of the robot.
     :param start_speed: speed along the path at its beginning, at most [m/s].
     :param end_speed: the same at its end [m/s].
-    :return: ``JointSpeeds``.
     """
     bounds = [segment_limits(segment, limits) if segment.length else SegmentLimits(0.0, 0.0)
               for segment in segments]
@@ -218,9 +215,6 @@ def travel_time(path: Path, robot: RoundRobot, settings: DriveSettings, *,
     the path. A robot that moves the other way at the beginning first brakes; how far it rolls
     meanwhile is not counted.
 
-    :param path: the ``Path``.
-    :param robot: the ``RoundRobot``.
-    :param settings: ``DriveSettings``.
     :param start_speed: speed along the path at its beginning, negative against it [m/s].
     :param end_speed: speed at which it passes the end, if it can [m/s].
     """
@@ -290,7 +284,7 @@ class MotionSection:
         self._speeds, self._windows = joint_speeds(self.segments, limits, end_speed=end_speed)
         self._joints = self._curvature_jumps()
         # The segment that the robot is on.
-        self._number = 0
+        self._index = 0
         first = self.segments[0]
         self.is_backwards = math.cos(first.start.theta - first.directions[0]) < 0.0
 
@@ -307,11 +301,11 @@ class MotionSection:
         :return: (arc length from the beginning [m], lateral offset to the left [m]).
         """
         while True:
-            segment = self.segments[self._number]
+            segment = self.segments[self._index]
             along, lateral = segment.project(point)
-            if along < segment.length or self._number == len(self.segments) - 1:
-                return self._starts[self._number] + along, lateral
-            self._number += 1
+            if along < segment.length or self._index == len(self.segments) - 1:
+                return self._starts[self._index] + along, lateral
+            self._index += 1
 
     def speed(self, s: float) -> float:
         """
@@ -321,7 +315,7 @@ class MotionSection:
 
         :param s: arc length from the beginning [m].
         """
-        i = self._number
+        i = self._index
         top, braking = self._limits[i]
         left = self._starts[i + 1] - s
         if self._windows[i] and s - self._starts[i] < self._windows[i]:
@@ -338,8 +332,8 @@ class MotionSection:
 
         :param s: arc length from the beginning [m].
         """
-        number, along = self._place_at(s)
-        return self.segments[number].direction(along)
+        index, along = self._place_at(s)
+        return self.segments[index].direction(along)
 
     def smooth_motion(self, s: float) -> tuple[float, float, float]:
         """
@@ -351,8 +345,8 @@ class MotionSection:
         :param s: arc length from the beginning [m].
         :return: direction [rad], curvature [1/m], offset to the left of the path [m].
         """
-        number, along = self._place_at(s)
-        direction, curvature = self.segments[number].direction(along), self._curvatures[number]
+        index, along = self._place_at(s)
+        direction, curvature = self.segments[index].direction(along), self._curvatures[index]
         joint = min(self._joints, key=lambda joint: abs(s - joint.s), default=None)
         if joint is None:
             return direction, curvature, 0.0
@@ -372,8 +366,8 @@ class MotionSection:
         :param s: arc length from the beginning [m].
         :return: heading [rad], change per distance [rad/m].
         """
-        number, along = self._place_at(s)
-        segment = self.segments[number]
+        index, along = self._place_at(s)
+        segment = self.segments[index]
         return segment.heading(along), segment.heading_change / segment.length
 
     def _curvature_jumps(self) -> list[CurvatureJump]:
@@ -384,10 +378,10 @@ class MotionSection:
     def _place_at(self, s: float) -> tuple[int, float]:
         """Find the number of the segment at an arc length, and the arc length on it [m]."""
         s = min(self.length, max(0.0, s))
-        number = len(self.segments) - 1
-        while number and s < self._starts[number]:
-            number -= 1
-        return number, s - self._starts[number]
+        index = len(self.segments) - 1
+        while index and s < self._starts[index]:
+            index -= 1
+        return index, s - self._starts[index]
 
 
 def split_at_stops(path: Path, limits: DriveSettings,
@@ -395,7 +389,6 @@ def split_at_stops(path: Path, limits: DriveSettings,
     """
     Split a path where the robot must stop.
 
-    :param path: the ``Path``.
     :param limits: ``DriveSettings`` within the limits of the robot.
     :param end_speed: speed at which it passes the end of the path [m/s].
     :return: list of ``MotionSection``, and of the ``PathSegment`` of each rotation in place.

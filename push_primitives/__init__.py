@@ -1,5 +1,5 @@
 """
-What short, unsteered pushes do to an object, and how long everything takes that remains to do.
+What short, straight pushes do to an object, and how long everything takes that remains to do.
 
 ``contact_places`` lists where the robot may touch, ``table`` simulates straight pushes and arcs
 there under many guesses of friction, ``value_iteration`` computes the ``cost_to_go`` of what they

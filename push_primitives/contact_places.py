@@ -86,11 +86,11 @@ def contact_places(obj: PushedObject) -> tuple[ContactPlace, ...]:
     List the places where a push may begin, face by face, counter-clockwise.
 
     Short edges that turn but little from one to the next make a curve, whose sectors count as
-    faces. Outlines of more than some dozen vertices should be simplified before.
+    faces. So does the whole outline where all faces are short. Outlines of more than some dozen
+    vertices should be simplified before.
 
-    :param obj: the ``PushedObject``.
     :return: ``ContactPlace`` of every face or curve of at least 0.15 m, or round a disc.
-    :raises ValueError: where all are shorter.
+    :raises ValueError: where the outline is shorter.
     """
     if obj.radius > 0.0:
         return tuple(_place_on_disc(obj.radius, number) for number in range(PLACES_OF_DISC))
@@ -102,9 +102,11 @@ def contact_places(obj: PushedObject) -> tuple[ContactPlace, ...]:
             places += (_places_on_face(piece[0], face) if len(piece) == 1
                        else _places_on_curve(piece, face, len(piece) == len(edges)))
     if not places:
-        longest = max(edge.length for edge in edges)
-        raise ValueError(f'PushedObject.outline: got faces of at most {longest:g} m, expected one '
-                         f'of at least {MIN_FACE_LENGTH:g} m')
+        around = sum(edge.length for edge in edges)
+        if around < MIN_FACE_LENGTH:
+            raise ValueError(f'PushedObject.outline: got {around:g} m all round, expected at '
+                             f'least {MIN_FACE_LENGTH:g} m')
+        places += _places_on_curve(edges, 0, True)
     return tuple(places)
 
 

@@ -19,6 +19,14 @@ from push_model.geometry import FloatArray, Pose
 OUTER_SLOPE = 9.0
 
 
+class CostGrid(NamedTuple):
+    """Cost-to-go as compiled code reads it; fields as of ``CostToGo``."""
+
+    values: NDArray[np.float32]
+    distances: FloatArray
+    headings: FloatArray
+
+
 @dataclasses.dataclass(frozen=True, eq=False)
 class CostToGo:
     """
@@ -39,6 +47,11 @@ class CostToGo:
         for array in (self.values, self.distances, self.headings):
             array.setflags(write=False)
 
+    @property
+    def grid(self) -> CostGrid:
+        """The same for compiled code."""
+        return CostGrid(self.values, self.distances, self.headings)
+
     def at(self, goal: Pose, face: int) -> float:
         """
         Interpolate.
@@ -47,14 +60,14 @@ class CostToGo:
         :param face: where the robot stands.
         :return: expected time [s].
         """
-        return float(interpolate_cost(self.values, self.distances, self.headings, *goal, face))
+        return float(interpolate_cost(self.grid, goal, face))
 
 
 class GridPosition(NamedTuple):
     """
     Position between two points of a grid.
 
-    :param cell: number of the lower point.
+    :param cell: index of the lower point.
     :param fraction: of the distance to the next one, 0 to 1.
     """
 
@@ -85,42 +98,36 @@ def locate(grid: Any, value: float) -> GridPosition:
 
 
 @compiled
-def interpolate_cost(values: Any, distances: Any, headings: Any, x: float, y: float,
-                     theta: float, face: int) -> float:
+def interpolate_cost(grid: CostGrid, goal: Pose, face: int) -> float:
     """
     Interpolate the cost-to-go, linearly in distance, bearing and heading.
 
-    :param values: shape (F, R, B, T), see ``CostToGo``.
-    :param distances: shape (R,) [m].
-    :param headings: shape (T,) [rad].
-    :param x: goal in the object frame, x [m].
-    :param y: the same, y [m].
-    :param theta: the same, heading, any angle [rad].
+    :param goal: in the object frame, its angle not wrapped.
     :param face: where the robot stands.
     :return: expected time [s].
     """
-    distance = math.sqrt(x * x + y * y)
-    i, u = locate(distances, distance)
-    k, w = locate(headings, wrap_angles(theta))
-    beyond = max(0.0, distance - distances[distances.shape[0] - 1])
-    return (interpolate_cell(values, i, u, math.atan2(y, x), k, w, face)
+    distance = math.sqrt(goal.x * goal.x + goal.y * goal.y)
+    beyond = max(0.0, distance - grid.distances[grid.distances.shape[0] - 1])
+    return (interpolate_cell(grid.values, locate(grid.distances, distance),
+                             math.atan2(goal.y, goal.x),
+                             locate(grid.headings, wrap_angles(goal.theta)), face)
             + OUTER_SLOPE * beyond)
 
 
 @compiled
-def interpolate_cell(values: Any, i: int, u: float, bearing: float, k: int, w: float,
+def interpolate_cell(values: Any, distance: GridPosition, bearing: float, heading: GridPosition,
                      face: int) -> float:
     """
     Interpolate values between grid points.
 
     :param values: shape (F, R, B, T), see ``CostToGo``.
-    :param i: index of the next lower distance.
-    :param u: fraction of the distance to the next one.
+    :param distance: ``GridPosition`` among the distances.
     :param bearing: any angle [rad].
-    :param k: index of the next lower heading.
-    :param w: fraction of the heading to the next one.
+    :param heading: ``GridPosition`` among the headings.
     :param face: where the robot stands.
     """
+    i, u = distance
+    k, w = heading
     count = values.shape[2]
     position = bearing * (count / (2.0 * math.pi))
     j = int(math.floor(position))
@@ -136,15 +143,14 @@ def interpolate_cell(values: Any, i: int, u: float, bearing: float, k: int, w: f
 
 
 @compiled
-def cost_after(values: Any, distances: Any, headings: Any, x: float, y: float, theta: float,
-               displacement: Any, face: int) -> float:
+def cost_after(grid: CostGrid, goal: Pose, displacement: Any, face: int) -> float:
     """
     Interpolate the cost-to-go after a displacement of the object.
 
     Arguments are as in ``interpolate_cost``; ``displacement`` is the new (x, y, theta) of the
     object in its old frame.
     """
-    d_x, d_y = x - displacement[0], y - displacement[1]
+    d_x, d_y = goal.x - displacement[0], goal.y - displacement[1]
     c, s = math.cos(displacement[2]), math.sin(displacement[2])
-    return interpolate_cost(values, distances, headings, c * d_x + s * d_y, c * d_y - s * d_x,
-                            theta - displacement[2], face)
+    return interpolate_cost(grid, Pose(c * d_x + s * d_y, c * d_y - s * d_x,
+                                       goal.theta - displacement[2]), face)

@@ -39,8 +39,6 @@ def with_placement_errors(table: PrimitiveTable, deviations: PlacementDeviations
     The effect of an error is linear, ``d + J_s e_s + J_a e_a + J_l e_l``, with derivatives from
     differences between neighbours in place, tilt and length.
 
-    :param table: the ``PrimitiveTable``.
-    :param deviations: ``PlacementDeviations``.
     :param seed: of the random numbers.
     :return: displacements, shape (n, K, L, 3).
     """
@@ -61,7 +59,6 @@ def placement_derivatives(table: PrimitiveTable) -> tuple[FloatArray, FloatArray
     The other one is held. Where the outline is curved, the normal turns with the place, on a disc
     of radius r at 1 / r, so that the tilt falls by as much.
 
-    :param table: the ``PrimitiveTable``.
     :return: derivatives of shape (n, K, L, 3): by place, counter-clockwise [1/m], and by
         direction [1/rad].
     """

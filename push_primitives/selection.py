@@ -16,7 +16,7 @@ from typing import Any, Callable, NamedTuple
 import numpy as np
 from push_dynamics.compiled import compiled
 from push_model.geometry import FloatArray, IntArray, Pose, wrap_angles
-from push_primitives.cost_to_go import cost_after
+from push_primitives.cost_to_go import cost_after, CostGrid
 from push_primitives.store import PushPrimitives
 from push_primitives.value_iteration import ARC_CLEARANCE
 from push_primitives.weights import draw_weights, FrictionBelief
@@ -75,6 +75,20 @@ class SelectionQuery(NamedTuple):
     pushing_speed: float
 
 
+class _Effects(NamedTuple):
+    """
+    What pushes do to the object, as compiled code reads it.
+
+    :param displacements: shape (n, K, L, 3).
+    :param weights: of the samples of friction, shape (K,).
+    :param faces: of the primitives, shape (n,).
+    """
+
+    displacements: FloatArray
+    weights: FloatArray
+    faces: Any
+
+
 class SelectedPush(NamedTuple):
     """
     A push and what it is expected to take.
@@ -100,8 +114,6 @@ def select_push(primitives: PushPrimitives, query: SelectionQuery,
     """
     Select the push after which everything is expected to be done first.
 
-    :param primitives: ``PushPrimitives``.
-    :param query: ``SelectionQuery``.
     :param travel_time: plans the path to a start.
     :return: ``SelectedPush``; None where no start can be reached.
     """
@@ -128,29 +140,26 @@ def push_costs(primitives: PushPrimitives, query: SelectionQuery, displacements:
     """
     Expect the times of pushes and of what remains after them, for the promising ones.
 
-    :param primitives: ``PushPrimitives``.
-    :param query: ``SelectionQuery``.
     :param displacements: shape (n, K, L, 3).
     :param weights: of the guesses of friction, shape (K,).
     :return: times, shape (n, L) [s]; infinite where a push is too short or not promising.
     """
-    table, cost_to_go = primitives.table, primitives.cost_to_go
+    table, grid = primitives.table, primitives.cost_to_go.grid
+    goal, effects = Pose(*map(float, query.goal)), _Effects(displacements, weights, table.faces)
     costs = np.full(displacements.shape[::2], math.inf)
     steps = np.flatnonzero(_is_long_enough(table.lengths, query.goal))
     push_times = table.lengths / query.pushing_speed + primitives.settings.push_time
     estimates = np.empty((len(table.faces), len(steps)))
-    _costs_of_means(cost_to_go.values, cost_to_go.distances, cost_to_go.headings, displacements,
-                    weights, table.faces, steps, np.array(query.goal), np.empty(3), estimates)
+    _costs_of_means(grid, effects, steps, goal, np.empty(3), estimates)
     estimates += push_times[steps]
     estimates += estimate_travel_times(primitives, query.robot_pose)[:, None]
     count = min(EXPECTED_COUNT, estimates.size)
     promising = np.sort(np.argpartition(estimates, count - 1, axis=None)[:count])
-    numbers, columns = np.divmod(promising, len(steps))
+    indices, columns = np.divmod(promising, len(steps))
     columns = steps[columns]
     expected = np.empty(count)
-    _expected_costs(cost_to_go.values, cost_to_go.distances, cost_to_go.headings, displacements,
-                    weights, table.faces, numbers, columns, np.array(query.goal), expected)
-    costs[numbers, columns] = expected + push_times[columns]
+    _expected_costs(grid, effects, indices, columns, goal, expected)
+    costs[indices, columns] = expected + push_times[columns]
     return costs
 
 
@@ -158,7 +167,6 @@ def estimate_travel_times(primitives: PushPrimitives, robot_pose: Pose) -> Float
     """
     Estimate the times of the paths to the starts of all primitives, round a ring.
 
-    :param primitives: ``PushPrimitives``.
     :param robot_pose: ``Pose`` of the robot in the object frame.
     :return: times, shape (n,) [s].
     """
@@ -222,19 +230,17 @@ def _nearest_in_time(primitives: PushPrimitives, query: SelectionQuery, costs: F
 def _refine_length(primitives: PushPrimitives, query: SelectionQuery, displacements: FloatArray,
                    weights: FloatArray, choice: tuple[int, int]) -> tuple[float, float]:
     """Find the best length between the neighbours of a length of the table, and its cost."""
-    table, cost_to_go = primitives.table, primitives.cost_to_go
-    number, step = choice
+    table, (index, step) = primitives.table, choice
     longest = float(table.lengths[min(len(table.lengths) - 1, step + 1)])
     lengths = np.asarray(np.linspace(float(table.lengths[step - 1]), longest, REFINED_LENGTHS),
                          dtype=np.float64)
     lengths = lengths[_is_long_enough(lengths, query.goal)]
     between = interpolate_displacements(table.lengths, displacements, lengths)
     costs = np.empty(len(lengths))
-    count = np.arange(len(lengths))
-    _expected_costs(cost_to_go.values, cost_to_go.distances, cost_to_go.headings,
-                    np.ascontiguousarray(between)[None], weights,
-                    table.faces[number:number + 1], np.zeros_like(count), count,
-                    np.array(query.goal), costs)
+    effects = _Effects(np.ascontiguousarray(between)[None], weights, table.faces[index:index + 1])
+    steps = np.arange(len(lengths))
+    _expected_costs(primitives.cost_to_go.grid, effects, np.zeros_like(steps), steps,
+                    Pose(*map(float, query.goal)), costs)
     costs += lengths / query.pushing_speed + primitives.settings.push_time
     best = int(np.argmin(costs))
     return float(lengths[best]), float(costs[best])
@@ -247,47 +253,41 @@ def _is_long_enough(lengths: FloatArray, goal: Pose) -> Any:
 
 
 @compiled
-def _expected_costs(values: Any, distances: Any, headings: Any, displacements: Any, weights: Any,
-                    faces: Any, numbers: IntArray, steps: IntArray, goal: Any,
-                    expected: Any) -> None:
+def _expected_costs(grid: CostGrid, effects: _Effects, indices: IntArray, steps: IntArray,
+                    goal: Pose, expected: FloatArray) -> None:
     """
     Write the expected cost-to-go after pushes.
 
-    :param values: shape (F, R, B, T), see ``CostToGo``; so are ``distances`` and ``headings``.
-    :param displacements: shape (n, K, L, 3).
-    :param weights: of the guesses of friction, shape (K,).
-    :param faces: of the primitives, shape (n,).
-    :param numbers: primitive of each push, shape (m,).
-    :param steps: number of its length, shape (m,).
-    :param goal: (x, y, theta) in the object frame.
+    :param indices: primitive of each push, shape (m,).
+    :param steps: index of its length, shape (m,).
+    :param goal: in the object frame.
     :param expected: shape (m,) [s], is written.
     """
-    for m in range(numbers.shape[0]):
-        number, step = numbers[m], steps[m]
+    for m in range(indices.shape[0]):
+        index, step = indices[m], steps[m]
         total = 0.0
-        for k in range(weights.shape[0]):
-            total += weights[k] * cost_after(values, distances, headings, goal[0], goal[1],
-                                             goal[2], displacements[number, k, step],
-                                             faces[number])
+        for k in range(effects.weights.shape[0]):
+            total += effects.weights[k] * cost_after(
+                grid, goal, effects.displacements[index, k, step], effects.faces[index])
         expected[m] = total
 
 
 @compiled
-def _costs_of_means(values: Any, distances: Any, headings: Any, displacements: Any, weights: Any,
-                    faces: Any, steps: IntArray, goal: Any, mean: Any, costs: Any) -> None:
+def _costs_of_means(grid: CostGrid, effects: _Effects, steps: IntArray, goal: Pose,
+                    mean: FloatArray, costs: FloatArray) -> None:
     """
     Write the cost-to-go after the mean effect of every push.
 
-    :param values: as of ``_expected_costs``, as are the others.
-    :param steps: numbers of the lengths, shape (m,).
-    :param mean: scratch, 3 numbers.
+    :param steps: indices of the lengths, shape (m,).
+    :param goal: in the object frame.
+    :param mean: scratch, shape (3,).
     :param costs: shape (n, m) [s], is written.
     """
-    for n in range(faces.shape[0]):
+    displacements, weights = effects.displacements, effects.weights
+    for n in range(effects.faces.shape[0]):
         for m in range(steps.shape[0]):
             for j in range(3):
                 mean[j] = 0.0
                 for k in range(weights.shape[0]):
                     mean[j] += weights[k] * displacements[n, k, steps[m], j]
-            costs[n, m] = cost_after(values, distances, headings, goal[0], goal[1], goal[2], mean,
-                                     faces[n])
+            costs[n, m] = cost_after(grid, goal, mean, effects.faces[n])

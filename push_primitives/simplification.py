@@ -33,7 +33,6 @@ def simplified_object(obj: PushedObject) -> PushedObject:
     """
     Leave out the vertices and supports of an object that hardly matter.
 
-    :param obj: the ``PushedObject``.
     :return: ``PushedObject`` of at most 48 vertices and 12 supports; the same one where nothing
         is left out.
     """
@@ -93,7 +92,6 @@ def merged_supports(obj: PushedObject) -> tuple[Support, ...]:
     """
     Merge supports until there are at most 12.
 
-    :param obj: the ``PushedObject``.
     :return: ``Support`` each, with the load fractions of those that it stands for.
     """
     if len(obj.supports) <= MAX_SUPPORTS:

@@ -37,8 +37,8 @@ CENTER_STEP = 0.004
 # Distances of the centre of friction from the middle over the radius, the ratio from one to the
 # next, and the supports in a ring, for the cost-to-go; chosen: nearer to the middle hardly
 # anything turns the disc, and in between it turns up to 20 % faster or slower.
-LEAST_DISTANCE = 0.02
-GREATEST_DISTANCE = 0.23
+MIN_DISTANCE = 0.02
+MAX_DISTANCE = 0.23
 DISTANCE_RATIO = math.sqrt(2.0)
 RING_SUPPORTS = 12
 # Step to which its direction is rounded [rad]; chosen: less than is known of it.
@@ -73,9 +73,9 @@ def slippery_disc(obj: PushedObject, belief: FrictionBelief) -> SlipperyDisc | N
     center_x, center_y = belief.center
     friction = _rounded(belief.contact_friction, FRICTION_STEP)
     obj = dataclasses.replace(obj, contact_friction_coefficient=friction)
-    ratio = math.hypot(center_x, center_y) / (obj.radius * LEAST_DISTANCE)
+    ratio = math.hypot(center_x, center_y) / (obj.radius * MIN_DISTANCE)
     steps = round(math.log(max(1.0, ratio)) / math.log(DISTANCE_RATIO))
-    distance = min(GREATEST_DISTANCE, LEAST_DISTANCE * DISTANCE_RATIO ** steps) * obj.radius
+    distance = min(MAX_DISTANCE, MIN_DISTANCE * DISTANCE_RATIO ** steps) * obj.radius
     known_center = _rounded(center_x, CENTER_STEP), _rounded(center_y, CENTER_STEP)
     return SlipperyDisc(with_friction_center(obj, known_center),
                         with_friction_center(_on_ring(obj), (distance, 0.0)),
@@ -86,7 +86,6 @@ def rotated(cost_to_go: CostToGo, angle: float) -> CostToGo:
     """
     Rotate the cost-to-go of a disc; linear between the bearings of its grid.
 
-    :param cost_to_go: ``CostToGo``.
     :param angle: counter-clockwise [rad].
     """
     values = cost_to_go.values

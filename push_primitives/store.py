@@ -6,35 +6,28 @@ digest of everything that they depend on: shape, supports, robot, settings and t
 """
 
 from collections.abc import Callable
-import contextlib
 import dataclasses
 import functools
 import hashlib
-import os
+import io
 import pathlib
-import tempfile
 from typing import Any
-import zipfile
 
 import numpy as np
 from push_dynamics.compiled import cache_directory
-from push_dynamics.reservation import reserved
 from push_model.geometry import FloatArray
 from push_model.parameters import PushedObject, RoundRobot
-from push_primitives import contact_places, cost_settings, placement_errors, value_iteration
-from push_primitives import cost_to_go as cost_to_go_module
-from push_primitives import table as table_module
+from push_primitives import (
+    contact_places, cost_settings, cost_to_go as cost_to_go_module, placement_errors,
+    table as table_module, value_iteration)
 from push_primitives.contact_places import ContactPlace
 from push_primitives.cost_settings import CostSettings
 from push_primitives.cost_to_go import CostToGo
 from push_primitives.placement_errors import (
-    LOCALIZED, PlacementDeviations, UNSURE, with_placement_errors,
-)
+    LOCALIZED, PlacementDeviations, UNSURE, with_placement_errors)
 from push_primitives.simplification import simplified_object
 from push_primitives.slippery_disc import rotated, slippery_disc, SlipperyDisc
-from push_primitives.table import (
-    build_table, draw_learned_friction, FrictionDraws, PrimitiveTable,
-)
+from push_primitives.table import build_table, draw_learned_friction, FrictionDraws, PrimitiveTable
 from push_primitives.value_iteration import solve_cost_to_go
 from push_primitives.weights import FrictionBelief
 
@@ -114,7 +107,6 @@ def load_primitives(obj: PushedObject, robot: RoundRobot,
     Load the primitives of an object, or make them and keep them.
 
     :param obj: the ``PushedObject``; its friction does not matter.
-    :param robot: the ``RoundRobot``.
     :param settings: ``CostSettings``, or None for those of the robot with the usual tolerances.
     :param belief: what was learned of friction: slippery discs have primitives of their own.
     :raises ValueError: where the robot is not round or no face of the object is long enough.
@@ -151,8 +143,8 @@ def _table(obj: PushedObject, radius: float, is_learned: bool) -> PrimitiveTable
     if is_learned:
         # A fraction of a second, and for the present task alone: not worth a file.
         return build_table(obj, radius, draws=draw_learned_friction(obj))
-    return _table_from(_kept(_path('table', obj, radius),
-                             lambda: _table_arrays(build_table(obj, radius))))
+    return _table_from(_stored(_name('table', obj, radius),
+                               lambda: _table_arrays(build_table(obj, radius))))
 
 
 @functools.lru_cache(maxsize=8)
@@ -163,7 +155,7 @@ def _cost_to_go(obj: PushedObject, radius: float, settings: CostSettings,
                                       from_above=is_learned)
         return {'values': cost_to_go.values, 'distances': cost_to_go.distances,
                 'headings': cost_to_go.headings}
-    return CostToGo(**_kept(_path('cost', obj, radius, settings, is_learned), solve))
+    return CostToGo(**_stored(_name('cost', obj, radius, settings, is_learned), solve))
 
 
 def _table_arrays(table: PrimitiveTable) -> dict[str, Any]:
@@ -180,13 +172,10 @@ def _table_from(arrays: dict[str, Any]) -> PrimitiveTable:
                           radius=float(arrays['radius']))
 
 
-def _path(kind: str, *key: object) -> pathlib.Path | None:
-    """Return the file of what depends on a key; None where no file can be written."""
-    directory = cache_directory()
-    if directory is None:
-        return None
+def _name(kind: str, *key: object) -> str:
+    """Name the file of what depends on a key."""
     digest = hashlib.sha256(repr(key).encode() + _sources())
-    return pathlib.Path(directory) / f'{kind}-{digest.hexdigest()[:24]}.npz'
+    return f'{kind}-{digest.hexdigest()[:24]}.npz'
 
 
 @functools.lru_cache(maxsize=None)
@@ -194,39 +183,17 @@ def _sources() -> bytes:
     return b''.join(pathlib.Path(str(module.__file__)).read_bytes() for module in SOURCES)
 
 
-def _kept(path: pathlib.Path | None, make: Callable[[], dict[str, Any]]) -> dict[str, Any]:
-    """Read arrays, or make and write them: nodes that start together make them once."""
-    arrays = _read(path)
-    if arrays is None:
-        with reserved(path):
-            # Another process may have made them while this one waited.
-            arrays = _read(path)
-            if arrays is None:
-                arrays = make()
-                _write(path, arrays)
-    return arrays
+def _stored(name: str, make: Callable[[], dict[str, Any]]) -> dict[str, Any]:
+    """Read arrays, or make and write them."""
+    folder = cache_directory()
+    if folder is None:
+        return make()
+    content = folder.read_or_make(name, lambda: _encoded(make()))
+    with np.load(io.BytesIO(content), allow_pickle=False) as data:
+        return {name: data[name] for name in data.files}
 
 
-def _read(path: pathlib.Path | None) -> dict[str, Any] | None:
-    if path is None:
-        return None
-    try:
-        with np.load(path, allow_pickle=False) as data:
-            return {name: data[name] for name in data.files}
-    # A file that another program has spoilt is made anew.
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile):
-        return None
-
-
-def _write(path: pathlib.Path | None, arrays: dict[str, Any]) -> None:
-    """Write arrays so that others see the whole file or none."""
-    if path is None:
-        return
-    with contextlib.suppress(OSError):
-        handle, name = tempfile.mkstemp(dir=path.parent, suffix='.part')
-        try:
-            with os.fdopen(handle, 'wb') as file:
-                np.savez(file, **arrays)
-            os.replace(name, path)
-        except OSError:
-            os.unlink(name)
+def _encoded(arrays: dict[str, Any]) -> bytes:
+    file = io.BytesIO()
+    np.savez(file, **arrays)
+    return file.getvalue()

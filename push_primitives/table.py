@@ -14,16 +14,17 @@ from typing import Any, NamedTuple, Sequence
 
 import numpy as np
 from push_dynamics.compiled import compiled
-from push_dynamics.encoding import body_numbers, drive_numbers, NO_OUTLINE, support_rows
+from push_dynamics.encoding import body_values, drive_values, NO_OUTLINE, support_rows
 from push_dynamics.layout import (
     COM_X, COM_Y, PATCH_SIZE, ROBOT_OMEGA, ROBOT_THETA, ROBOT_V_X, ROBOT_X, ROBOT_Y,
-    STATE_SIZE, THETA, X, Y,
+    STATE_SIZE, THETA, World, X, Y,
 )
 from push_dynamics.step import advance
 from push_model.friction import friction_center
 from push_model.geometry import BoolArray, FloatArray, IntArray
 from push_model.parameters import PushedObject, RoundRobot
 from push_primitives.contact_places import contact_places, ContactPlace
+from push_primitives.member_motion import member_world, Worlds
 
 # Angles of straight pushes from the inward normal [rad], chosen: inside the friction cone of a
 # rubber bumper, and just outside.
@@ -143,7 +144,6 @@ def draw_friction(obj: PushedObject, seed: int = 0) -> FrictionDraws:
     """
     Draw guesses of friction about what the object states.
 
-    :param obj: the ``PushedObject``.
     :param seed: of the random numbers.
     """
     rng = np.random.default_rng(seed)
@@ -159,7 +159,6 @@ def draw_learned_friction(obj: PushedObject, seed: int = 0) -> FrictionDraws:
     """
     Draw guesses of friction close to what the object states, as it has been learned.
 
-    :param obj: the ``PushedObject``.
     :param seed: of the random numbers.
     """
     rng = np.random.default_rng(seed)
@@ -181,7 +180,6 @@ def build_table(obj: PushedObject, robot_radius: float, *, seed: int = 0,
     """
     Simulate all primitives of an object.
 
-    :param obj: the ``PushedObject``.
     :param robot_radius: radius of the robot [m], finite.
     :param seed: of the guesses of friction.
     :param lengths: driven lengths to keep, increasing from 0 [m].
@@ -199,22 +197,24 @@ def build_table(obj: PushedObject, robot_radius: float, *, seed: int = 0,
     bodies = [_with_friction(obj, factors, friction) for factors, friction
               in zip(draws.support_factors, draws.contact_frictions.tolist())]
     displacements = np.zeros((len(starts), len(bodies), len(lengths), 3))
-    common = (
-        np.array([body_numbers(body, robot, SMOOTHING) for body in bodies]),
-        np.array([support_rows(body, body.capacities, [1.0] * len(body.supports))
-                  for body in bodies]),
-        np.array(obj.outline or NO_OUTLINE, dtype=float), np.array(drive_numbers(robot)),
-        np.array(lengths, dtype=float))
-    memory = (np.zeros(STATE_SIZE), np.zeros(2 * len(obj.supports)), np.zeros(3),
-              np.zeros((0, PATCH_SIZE)))
+    worlds = Worlds(
+        states=np.zeros((len(bodies), STATE_SIZE)),
+        bodies=np.array([body_values(body, robot, SMOOTHING) for body in bodies]),
+        supports=np.array([support_rows(body, body.capacities, [1.0] * len(body.supports))
+                           for body in bodies]),
+        outline=np.array(obj.outline or NO_OUTLINE, dtype=float),
+        floor=np.zeros((0, PATCH_SIZE)),
+        forces=np.zeros(2 * len(obj.supports)),
+        drive=np.array(drive_values(robot)),
+        command=np.zeros(3))
+    driven_lengths = np.array(lengths, dtype=float)
     # One by one: a signal is noticed between two calls.
     for start, curvature, rows in zip(starts, kinds.curvatures.tolist(), displacements):
-        _simulate(start, curvature, *common, rows, *memory)
+        _simulate(start, curvature, worlds, driven_lengths, rows)
     return PrimitiveTable(
         places, kinds.place_indices,
         np.array([places[place].face for place in kinds.place_indices.tolist()]), kinds.tilts,
-        kinds.curvatures, starts, np.array(lengths, dtype=float), displacements, draws,
-        obj.radius)
+        kinds.curvatures, starts, driven_lengths, displacements, draws, obj.radius)
 
 
 def _primitive_kinds(obj: PushedObject, place_count: int) -> PrimitiveKinds:
@@ -242,24 +242,26 @@ def _with_friction(obj: PushedObject, factors: FloatArray, friction: float) -> P
 
 
 @compiled
-def _simulate(start: Any, curvature: float, bodies: Any, supports: Any, outline: Any, drive: Any,
-              lengths: Any, displacements: Any, state: Any, forces: Any, command: Any,
-              floor: Any) -> None:
+def _simulate(start: Any, curvature: float, worlds: Worlds, lengths: Any,
+              displacements: Any) -> None:
     """
-    Simulate a primitive under every guess of friction.
+    Simulate a primitive under every sample of friction.
 
-    Arguments are as in ``push_dynamics.step``, with a row for each guess; ``displacements``, shape
-    (K, L, 3), is written; the last four are memory to work with.
+    :param start: robot centre and direction of motion (x, y, phi), object frame.
+    :param curvature: of the robot's path [1/m].
+    :param worlds: one for each sample; their states are written.
+    :param lengths: driven lengths [m], shape (L,).
+    :param displacements: shape (K, L, 3), is written.
     """
-    for k in range(bodies.shape[0]):
-        _simulate_one(start, curvature, bodies[k], supports[k], outline, drive, lengths,
-                      displacements[k], state, forces, command, floor)
+    for k in range(worlds.states.shape[0]):
+        _simulate_one(start, curvature, member_world(worlds, k, worlds.states[k]), lengths,
+                      displacements[k])
 
 
 @compiled
-def _simulate_one(start: Any, curvature: float, body: Any, supports: Any, outline: Any,
-                  drive: Any, lengths: Any, displacements: Any, state: Any, forces: Any,
-                  command: Any, floor: Any) -> None:
+def _simulate_one(start: Any, curvature: float, world: World, lengths: Any,
+                  displacements: Any) -> None:
+    state, body, command = world.state, world.body, world.command
     com_x, com_y = body[COM_X], body[COM_Y]
     for i in range(state.shape[0]):
         state[i] = 0.0
@@ -272,8 +274,7 @@ def _simulate_one(start: Any, curvature: float, body: Any, supports: Any, outlin
     for i in range(1, lengths.shape[0]):
         distance = lengths[i] - driven
         longest = FINE_STEP if driven < FINE_LENGTH else COARSE_STEP
-        advance(state, body, supports, outline, floor, forces, command, drive, distance / SPEED,
-                longest / SPEED)
+        advance(world, distance / SPEED, longest / SPEED)
         driven = lengths[i]
         c, s = math.cos(state[THETA]), math.sin(state[THETA])
         displacements[i, 0] = state[X] - c * com_x + s * com_y

@@ -18,9 +18,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from push_dynamics.compiled import compiled, wrap_angles
-from push_model.geometry import FloatArray, IntArray
+from push_model.geometry import FloatArray, IntArray, Pose
 from push_primitives.cost_settings import CONTACT_PATHS, CostSettings
-from push_primitives.cost_to_go import cost_after, CostToGo, interpolate_cell, locate
+from push_primitives.cost_to_go import (
+    cost_after, CostGrid, CostToGo, GridPosition, interpolate_cell, locate,
+)
 from push_primitives.placement_errors import (
     LOCALIZED, PlacementDeviations, with_placement_errors,
 )
@@ -31,9 +33,9 @@ from push_primitives.table import PrimitiveTable
 INNER_FRACTION = 0.47
 EDGE_RATIO = 1.12
 DISTANCE_RATIO = 1.45
-LARGEST_DISTANCE = 3.3
+MAX_DISTANCE = 3.3
 HEADING_RATIO = 1.57
-LARGEST_HEADING_STEP = math.radians(30.0)
+MAX_HEADING_STEP = math.radians(30.0)
 BEARINGS = 32
 # Guess of friction numbers that V averages over, chosen: draw 0 is nominal.
 AVERAGED_DRAWS = (1, 2, 3, 4)
@@ -50,7 +52,7 @@ SHORTEST_ACTION = 0.6
 # Actions that are kept for each state and face; every this many-th bearing and heading selects
 # among all actions, the others among those of their neighbours; selections, and sweeps after each.
 # Measured: V is 0.2 % off that by sweeps over all actions in the mean, in a tenth of the time.
-KEPT_ACTIONS = 16
+SELECTED_ACTIONS = 16
 SELECTION_STRIDE = 2
 ROUNDS = (2, 1)
 # Factor on the first guess of V, and rounds from there, where that guess would be far too low, as
@@ -73,20 +75,35 @@ class Actions(NamedTuple):
 
     displacements: FloatArray
     means: FloatArray
-    faces: IntArray
-    times: FloatArray
+    faces: Any
+    times: Any
+
+
+class Iteration(NamedTuple):
+    """
+    What the sweeps read and write.
+
+    :param grid: ``CostGrid``, the values of which are written.
+    :param actions: ``Actions``.
+    :param selected: index of the best actions of each state and face, best first, then -1, shape
+        (R, B, T, F, N).
+    """
+
+    grid: CostGrid
+    actions: Actions
+    selected: NDArray[np.int16]
 
 
 class Selection(NamedTuple):
     """
-    Memory of the selection of actions; m actions, N kept for a face.
+    Memory of the selection of actions; m actions, N selected for a face.
 
     :param heading_indices: grid position of the heading that each action leaves, shape (m,).
     :param heading_fractions: the same, shape (m,).
     :param lower_bounds: least value in each cell of the grid, shape (F, R - 1, T - 1) [s].
-    :param costs: of the kept actions, ascending, shape (F, N) [s].
+    :param costs: of the selected actions, ascending, shape (F, N) [s].
     :param limits: upper bounds of the last of them, shape (F,) [s].
-    :param candidates: copy of the actions kept for a face, shape (N,).
+    :param candidates: copy of the actions selected for a face, shape (N,).
     """
 
     heading_indices: IntArray
@@ -108,7 +125,6 @@ def solve_cost_to_go(table: PrimitiveTable, settings: CostSettings | None = None
     :param deviations: ``PlacementDeviations`` of the pushes.
     :param from_above: whether the first guess is above the result, as for objects that are hard
         to turn.
-    :return: ``CostToGo``.
     """
     settings = settings or CostSettings()
     distances = distance_grid(settings.position_limit)
@@ -126,19 +142,21 @@ def solve_cost_to_go(table: PrimitiveTable, settings: CostSettings | None = None
     values[:, arrived] = 0.0
     actions = select_actions(table, settings, deviations)
     contact_times = face_change_times(table, settings)
-    kept = np.full((*shape[1:], shape[0], KEPT_ACTIONS), -1, dtype=np.int16)
+    iteration = Iteration(
+        CostGrid(values, distances, headings), actions,
+        np.full((*shape[1:], shape[0], SELECTED_ACTIONS), -1, dtype=np.int16))
     best = np.zeros(shape[0])
     for rounds in HIGH_ROUNDS if from_above else ROUNDS:
         memory = _selection(values, len(actions.times))
         # By headings and by distances: a signal is noticed between two calls.
         for k in range(0, len(headings), SELECTION_STRIDE):
-            _keep_best_actions(values, distances, headings, actions, kept, memory, k)
+            _select_best(iteration, memory, k)
         for _ in range(rounds):
             for i in range(len(distances)):
-                _spread_actions(values, distances, headings, actions, kept, memory, i)
+                _share_actions(iteration, memory, i)
             # From small distances outwards.
             for i in range(len(distances)):
-                _sweep(values, distances, headings, arrived, actions, kept, contact_times, best, i)
+                _sweep(iteration, arrived, contact_times, best, i)
     return CostToGo(values, distances, headings)
 
 
@@ -149,9 +167,9 @@ def distance_grid(limit: float) -> FloatArray:
     :param limit: distance at which the object is at its goal [m].
     """
     grid = [0.0, INNER_FRACTION * limit, limit, EDGE_RATIO * limit]
-    while grid[-1] < LARGEST_DISTANCE:
+    while grid[-1] < MAX_DISTANCE:
         grid.append(DISTANCE_RATIO * grid[-1])
-    return np.array([*grid[:-1], max(LARGEST_DISTANCE, 1.1 * grid[-2])])
+    return np.array([*grid[:-1], max(MAX_DISTANCE, 1.1 * grid[-2])])
 
 
 def heading_grid(limit: float) -> FloatArray:
@@ -162,9 +180,9 @@ def heading_grid(limit: float) -> FloatArray:
     """
     half = [0.5 * limit, limit, EDGE_RATIO * limit]
     while half[-1] < math.pi:
-        half.append(min(HEADING_RATIO * half[-1], half[-1] + LARGEST_HEADING_STEP))
+        half.append(min(HEADING_RATIO * half[-1], half[-1] + MAX_HEADING_STEP))
     half[-1] = math.pi
-    if half[-1] - half[-2] < 0.3 * LARGEST_HEADING_STEP:
+    if half[-1] - half[-2] < 0.3 * MAX_HEADING_STEP:
         del half[-2]
     return np.array([-angle for angle in reversed(half)] + [0.0] + half)
 
@@ -173,8 +191,6 @@ def face_change_times(table: PrimitiveTable, settings: CostSettings) -> FloatArr
     """
     Estimate the time from the end of a push at one face to the begin of one at another.
 
-    :param table: ``PrimitiveTable``.
-    :param settings: ``CostSettings``.
     :return: times, shape (F, F) [s].
     """
     points = np.array([place.point for place in table.places])
@@ -192,8 +208,6 @@ def select_actions(table: PrimitiveTable, settings: CostSettings,
     """
     Thin the primitives out to those that value iteration chooses from.
 
-    :param table: ``PrimitiveTable``.
-    :param settings: ``CostSettings``.
     :param deviations: ``PlacementDeviations`` of the pushes.
     """
     numbers = np.flatnonzero(
@@ -213,147 +227,147 @@ def _selection(values: NDArray[np.float32], action_count: int) -> Selection:
     pairs = np.minimum(values[:, 1:], values[:, :-1]).min(axis=2)
     return Selection(np.zeros(action_count, dtype=np.int64), np.zeros(action_count),
                      np.minimum(pairs[:, :, 1:], pairs[:, :, :-1]).astype(float),
-                     np.zeros((len(values), KEPT_ACTIONS)), np.zeros(len(values)),
-                     np.zeros(KEPT_ACTIONS, dtype=np.int16))
+                     np.zeros((len(values), SELECTED_ACTIONS)), np.zeros(len(values)),
+                     np.zeros(SELECTED_ACTIONS, dtype=np.int16))
 
 
 @compiled
-def _keep_best_actions(values: Any, distances: Any, headings: Any, actions: Any, kept: Any,
-                       memory: Selection, k: int) -> None:
+def _goal_at(grid: CostGrid, i: int, j: int, k: int) -> Pose:
+    """Return the goal in the object frame at a point of the grid."""
+    bearing = 2.0 * math.pi * j / grid.values.shape[2]
+    distance = grid.distances[i]
+    return Pose(distance * math.cos(bearing), distance * math.sin(bearing), grid.headings[k])
+
+
+@compiled
+def _select_best(iteration: Iteration, memory: Selection, k: int) -> None:
     """Write the best actions of some states of a heading, by face, judged by their mean effect."""
+    grid, actions, selected = iteration
     for action in range(actions.times.shape[0]):
-        heading = wrap_angles(headings[k] - actions.means[action, 2])
-        position = locate(headings, heading)
+        heading = wrap_angles(grid.headings[k] - actions.means[action, 2])
+        position = locate(grid.headings, heading)
         memory.heading_indices[action] = position.cell
         memory.heading_fractions[action] = position.fraction
-    for i in range(values.shape[1]):
-        for j in range(0, values.shape[2], SELECTION_STRIDE):
-            bearing = 2.0 * math.pi * j / values.shape[2]
-            x, y = distances[i] * math.cos(bearing), distances[i] * math.sin(bearing)
-            _reset_selection(values, distances, headings, actions, x, y, headings[k],
-                             kept[i, max(0, j - SELECTION_STRIDE), k], memory)
-            _keep_best_of_state(values, distances, actions, x, y, kept[i, j, k], memory)
+    for i in range(grid.values.shape[1]):
+        for j in range(0, grid.values.shape[2], SELECTION_STRIDE):
+            goal = _goal_at(grid, i, j, k)
+            _reset_selection(iteration, goal, selected[i, max(0, j - SELECTION_STRIDE), k], memory)
+            _select_for_state(iteration, goal, selected[i, j, k], memory)
 
 
 @compiled
-def _spread_actions(values: Any, distances: Any, headings: Any, actions: Any, kept: Any,
-                    memory: Selection, i: int) -> None:
+def _share_actions(iteration: Iteration, memory: Selection, i: int) -> None:
     """Choose the best actions of all states at a distance among theirs and those beside."""
-    bearings = values.shape[2]
+    grid, _, selected = iteration
+    faces, distances, bearings, headings = grid.values.shape
     for j in range(bearings):
-        bearing = 2.0 * math.pi * j / bearings
-        x, y = distances[i] * math.cos(bearing), distances[i] * math.sin(bearing)
-        for k in range(values.shape[3]):
-            for face in range(values.shape[0]):
-                own, costs = kept[i, j, k, face], memory.costs[face]
+        for k in range(headings):
+            goal = _goal_at(grid, i, j, k)
+            for face in range(faces):
+                own, costs = selected[i, j, k, face], memory.costs[face]
                 for n in range(own.shape[0]):
                     memory.candidates[n] = own[n]
                     own[n] = -1
                     costs[n] = math.inf
-                _offer(values, distances, headings, actions, x, y, headings[k], own, costs,
-                       memory.candidates, face)
+                _offer(iteration, goal, face, own, costs, memory.candidates)
                 for step in (-1, 1):
-                    _offer(values, distances, headings, actions, x, y, headings[k], own,
-                           costs, kept[i, (j + step + bearings) % bearings, k, face], face)
-                    if 0 <= i + step < values.shape[1]:
-                        _offer(values, distances, headings, actions, x, y, headings[k], own,
-                               costs, kept[i + step, j, k, face], face)
-                    if 0 <= k + step < values.shape[3]:
-                        _offer(values, distances, headings, actions, x, y, headings[k], own,
-                               costs, kept[i, j, k + step, face], face)
+                    _offer(iteration, goal, face, own, costs,
+                           selected[i, (j + step + bearings) % bearings, k, face])
+                    if 0 <= i + step < distances:
+                        _offer(iteration, goal, face, own, costs, selected[i + step, j, k, face])
+                    if 0 <= k + step < headings:
+                        _offer(iteration, goal, face, own, costs, selected[i, j, k + step, face])
 
 
 @compiled
-def _offer(values: Any, distances: Any, headings: Any, actions: Any, x: float, y: float,
-           theta: float, kept: Any, costs: Any, candidates: Any, face: int) -> None:
-    """Insert those of the candidates that are better than what is kept."""
-    last = kept.shape[0] - 1
+def _offer(iteration: Iteration, goal: Pose, face: int, selected: Any, costs: Any,
+           candidates: Any) -> None:
+    """Insert those of the candidates that are better than what is selected."""
+    grid, actions, _ = iteration
+    last = selected.shape[0] - 1
     for n in range(candidates.shape[0]):
         action = candidates[n]
         if action < 0:
             break
-        if actions.times[action] >= costs[last] or _contains(kept, action):
+        if actions.times[action] >= costs[last] or _contains(selected, action):
             continue
-        cost = actions.times[action] + cost_after(
-            values, distances, headings, x, y, theta, actions.means[action], face)
+        cost = actions.times[action] + cost_after(grid, goal, actions.means[action], face)
         if cost < costs[last]:
-            _insert(costs, kept, cost, action)
+            _insert(costs, selected, cost, action)
 
 
 @compiled
-def _contains(numbers: Any, number: int) -> bool:
-    for n in range(numbers.shape[0]):
-        if numbers[n] == number:
+def _contains(values: Any, value: int) -> bool:
+    for n in range(values.shape[0]):
+        if values[n] == value:
             return True
     return False
 
 
 @compiled
-def _reset_selection(values: Any, distances: Any, headings: Any, actions: Any, x: float,
-                     y: float, theta: float, kept: Any, memory: Selection) -> None:
-    """Bound the costs of the kept actions by those of the actions of a state beside."""
-    for face in range(values.shape[0]):
+def _reset_selection(iteration: Iteration, goal: Pose, selected: Any, memory: Selection) -> None:
+    """Bound the costs of the selected actions by those of the actions of a state beside."""
+    grid, actions, _ = iteration
+    for face in range(selected.shape[0]):
         memory.limits[face] = 0.0
-        for n in range(kept.shape[1]):
+        for n in range(selected.shape[1]):
             memory.costs[face, n] = math.inf
-            action = kept[face, n]
+            action = selected[face, n]
             cost = math.inf
             if action >= 0:
-                cost = actions.times[action] + cost_after(
-                    values, distances, headings, x, y, theta, actions.means[action], face)
+                cost = actions.times[action] + cost_after(grid, goal, actions.means[action], face)
             # A little more, so that none of these actions is left out by rounding.
             memory.limits[face] = max(memory.limits[face], cost + 1e-9)
 
 
 @compiled
-def _keep_best_of_state(values: Any, distances: Any, actions: Any, x: float, y: float,
-                        kept: Any, memory: Selection) -> None:
-    for face in range(kept.shape[0]):
-        for n in range(kept.shape[1]):
-            kept[face, n] = -1
-    last = kept.shape[1] - 1
+def _select_for_state(iteration: Iteration, goal: Pose, selected: Any,
+                      memory: Selection) -> None:
+    grid, actions, _ = iteration
+    for face in range(selected.shape[0]):
+        for n in range(selected.shape[1]):
+            selected[face, n] = -1
+    last = selected.shape[1] - 1
     for action in range(actions.times.shape[0]):
         face = actions.faces[action]
         time = actions.times[action]
         limit = min(memory.limits[face], memory.costs[face, last])
         if time >= limit:
             continue
-        d_x, d_y = x - actions.means[action, 0], y - actions.means[action, 1]
-        i, u = locate(distances, math.sqrt(d_x * d_x + d_y * d_y))
-        k, w = memory.heading_indices[action], memory.heading_fractions[action]
-        if time + memory.lower_bounds[face, i, k] >= limit:
+        d_x, d_y = goal.x - actions.means[action, 0], goal.y - actions.means[action, 1]
+        distance = locate(grid.distances, math.sqrt(d_x * d_x + d_y * d_y))
+        heading = GridPosition(memory.heading_indices[action], memory.heading_fractions[action])
+        if time + memory.lower_bounds[face, distance.cell, heading.cell] >= limit:
             continue
         bearing = math.atan2(d_y, d_x) - actions.means[action, 2]
-        cost = time + interpolate_cell(values, i, u, bearing, k, w, face)
+        cost = time + interpolate_cell(grid.values, distance, bearing, heading, face)
         if cost < limit:
-            _insert(memory.costs[face], kept[face], cost, action)
+            _insert(memory.costs[face], selected[face], cost, action)
 
 
 @compiled
-def _insert(costs: Any, kept: Any, cost: float, action: Any) -> None:
+def _insert(costs: Any, selected: Any, cost: float, action: Any) -> None:
     """Insert an action into a list in order of costs, whose last one falls out."""
     n = costs.shape[0] - 1
     while n > 0 and costs[n - 1] > cost:
         costs[n] = costs[n - 1]
-        kept[n] = kept[n - 1]
+        selected[n] = selected[n - 1]
         n -= 1
     costs[n] = cost
-    kept[n] = action
+    selected[n] = action
 
 
 @compiled
-def _sweep(values: Any, distances: Any, headings: Any, arrived: Any, actions: Any, kept: Any,
-           contact_times: Any, best: Any, i: int) -> None:
-    """Improve the values of all states at a distance by their kept actions."""
+def _sweep(iteration: Iteration, arrived: Any, contact_times: Any, best: Any, i: int) -> None:
+    """Improve the values of all states at a distance by their selected actions."""
+    grid, values = iteration.grid, iteration.grid.values
     for j in range(values.shape[2]):
-        bearing = 2.0 * math.pi * j / values.shape[2]
-        x, y = distances[i] * math.cos(bearing), distances[i] * math.sin(bearing)
         for k in range(values.shape[3]):
             if arrived[i, j, k]:
                 continue
+            goal = _goal_at(grid, i, j, k)
             for face in range(values.shape[0]):
-                best[face] = _best_cost(values, distances, headings, actions, x, y,
-                                        headings[k], kept[i, j, k, face])
+                best[face] = _best_cost(iteration, goal, iteration.selected[i, j, k, face])
             for face in range(values.shape[0]):
                 value = math.inf
                 for other in range(values.shape[0]):
@@ -362,19 +376,19 @@ def _sweep(values: Any, distances: Any, headings: Any, arrived: Any, actions: An
 
 
 @compiled
-def _best_cost(values: Any, distances: Any, headings: Any, actions: Any, x: float, y: float,
-               theta: float, kept: Any) -> float:
-    """Least expected cost among the kept actions of a state and a face [s]."""
+def _best_cost(iteration: Iteration, goal: Pose, selected: Any) -> float:
+    """Find the least expected cost among the selected actions of a state and a face [s]."""
+    grid, actions, _ = iteration
     count = actions.displacements.shape[1]
     best = math.inf
-    for n in range(kept.shape[0]):
-        action = kept[n]
+    for n in range(selected.shape[0]):
+        action = selected[n]
         if action < 0:
             break
         total = actions.times[action] * count
         for draw in range(count):
-            total += cost_after(values, distances, headings, x, y, theta,
-                                actions.displacements[action, draw], actions.faces[action])
+            total += cost_after(grid, goal, actions.displacements[action, draw],
+                                actions.faces[action])
             if total >= best * count:
                 break
         best = min(best, total / count)

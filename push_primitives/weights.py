@@ -15,7 +15,7 @@ FRICTION_OFFSET = 0.05
 # The kernel is widened by this factor until at least so many guesses share the weight; chosen: an
 # expectation over fewer takes chance for knowledge.
 WIDENING = 1.25
-LEAST_SHARING = 4.0
+MIN_SHARING = 4.0
 
 
 class FrictionBelief(NamedTuple):
@@ -45,8 +45,6 @@ def draw_weights(draws: FrictionDraws, belief: FrictionBelief) -> FloatArray:
     where s are the deviations of the belief and h those of the kernel, widened until four guesses
     share the weight: ``(sum w)^2 / sum w^2 >= 4``.
 
-    :param draws: ``FrictionDraws``.
-    :param belief: ``FrictionBelief``.
     :return: weights, shape (K,), of sum 1.
     """
     away = ((draws.centers - np.array(belief.center)) ** 2).sum(axis=1)
@@ -56,7 +54,7 @@ def draw_weights(draws: FrictionDraws, belief: FrictionBelief) -> FloatArray:
                        + ratio ** 2 / ((belief.contact_friction_deviation / scale) ** 2
                                        + CONTACT_KERNEL ** 2))
     exponents -= exponents.min()
-    sharing = min(LEAST_SHARING, float(len(exponents)))
+    sharing = min(MIN_SHARING, float(len(exponents)))
     while True:
         weights = np.exp(-exponents)
         weights /= weights.sum()

@@ -81,8 +81,8 @@ def from_mapping(cls: type[Parameters], values: object, at: Location) -> Paramet
         problem, prefix = str(error), f'{cls.__name__}.'
         # A check of one field names it; then the file's own path to it takes the place of that.
         if problem.startswith(prefix):
-            name, _, rest = problem[len(prefix):].partition(': ')
-            raise at.key(name).error(rest) from error
+            name, _, message = problem[len(prefix):].partition(': ')
+            raise at.key(name).error(message) from error
         raise at.error(problem) from error
     return instance
 

@@ -13,7 +13,6 @@ def read_object(path: str | Path) -> PushedObject:
     Read an object file.
 
     :param path: the file.
-    :return: the ``PushedObject``.
     :raises ParameterFileError: naming file and key, what came and what was expected.
     """
     return from_mapping(PushedObject, load_yaml(Path(path)), Location(path))
@@ -24,7 +23,6 @@ def read_robot(path: str | Path) -> RoundRobot:
     Read a robot file.
 
     :param path: the file.
-    :return: the ``RoundRobot``.
     :raises ParameterFileError: naming file and key, what came and what was expected.
     """
     return from_mapping(RoundRobot, load_yaml(Path(path)), Location(path))

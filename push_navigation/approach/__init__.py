@@ -1,7 +1,7 @@
 """
-Approach of the robot to a contact: manoeuvres round the object, the quickest of which is taken.
+Approach of the robot to a contact: candidates round the object, the quickest of which is taken.
 
-A manoeuvre is a sequence of straight lines and arcs from one pose to another,
+A candidate is a sequence of straight lines and arcs from one pose to another,
 
     departure (straight, arc) - first curve - round corners of the object - last curve -
     arrival (arc, straight)

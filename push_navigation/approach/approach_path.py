@@ -2,7 +2,7 @@
 Approach paths: the quickest path of the robot to a contact, which ends along the line of a push.
 
 The robot leaves the object, turns by arcs rather than in place, and meets the line of the push
-straight, without a stop before the contact. Candidates are manoeuvres, scanned coarsely and
+straight, without a stop before the contact. Candidates are candidates, scanned coarsely and
 refined, and the path with rotations in place of ``path_planner``.
 """
 
@@ -16,13 +16,13 @@ import numpy as np
 from push_model.geometry import FloatArray, Pose, wrap_angle
 from push_model.parameters import Outline, PushedObject, RoundRobot
 from push_navigation.approach.encoding import (
-    ANGLE, ARRIVAL, ARRIVAL_ANGLE, ARRIVAL_RADIUS, CORNER_SEGMENTS, DEPARTURE, DEPARTURE_ANGLE,
-    DEPARTURE_RADIUS, DIRECTION, FIRST_RADIUS, LAST_RADIUS, LENGTH, MANOEUVRE_SIZE, Manoeuvring,
-    moved, NO_LENGTH, OTHER_SEGMENTS, REVERSES, SEGMENT_SIZE, THETA, X, Y,
+    ANGLE, ApproachProblem, ARRIVAL, ARRIVAL_ANGLE, ARRIVAL_RADIUS, CANDIDATE_SIZE,
+    CORNER_SEGMENTS, DEPARTURE, DEPARTURE_ANGLE, DEPARTURE_RADIUS, DIRECTION, FIRST_RADIUS,
+    LAST_RADIUS, LENGTH, moved, NO_LENGTH, OTHER_SEGMENTS, REVERSES, SEGMENT_SIZE, THETA, X, Y,
 )
 from push_navigation.approach.layout import lay_out
 from push_navigation.approach.search import refine, scan, SHAPES
-from push_navigation.map_clearance import CERTAIN, map_clearance, PlaceUncertainty, Room
+from push_navigation.map_clearance import CERTAIN, map_clearance, MapContext, PositionUncertainty
 from push_navigation.obstacle import inflate, InflatedObstacle
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.path import (
@@ -54,7 +54,7 @@ MIN_RADIUS = 0.08
 SHUNT_ANGLES = (0.0, 0.5, -0.5, 1.2, -1.2)
 # What is added to the least straight lines off and on to the object [m].
 EXTRA_STRAIGHTS = (0.0, 0.15)
-# Only in less time than this a path that stops may be quicker than the manoeuvres that are found,
+# Only in less time than this a path that stops may be quicker than the candidates,
 # with a holonomic base [s]. Measured: in 2 of 160 such approaches, by 0.05 s; with a differential
 # drive in none of 504.
 LONG_APPROACH = 3.0
@@ -94,31 +94,24 @@ class Approach(NamedTuple):
         return self.contact_pose
 
     def time(self, path: Path) -> float:
-        """
-        Time that a path takes [s].
-
-        :param path: the ``Path``.
-        """
+        """Time that a path takes [s]."""
         return travel_time(path, self.robot, self.settings, end_speed=self.end_speed)
 
 
 def plan_approach(robot: RoundRobot, obj: PushedObject, object_pose: Pose, start: Pose,
                   contact_pose: Pose, settings: DriveSettings, *,
                   occupancy_map: OccupancyMap | None = None,
-                  uncertainty: PlaceUncertainty = CERTAIN,
+                  uncertainty: PositionUncertainty = CERTAIN,
                   final_straight: float = FINAL_STRAIGHT, end_speed: float = END_SPEED) -> Path:
     """
     Plan the quickest path to a contact, which ends moving along the line of the push.
 
     :param robot: the ``RoundRobot``, neither a point nor a flat pusher.
-    :param obj: the ``PushedObject``.
-    :param object_pose: ``Pose`` of the object.
     :param start: ``Pose`` of the robot, at rest.
     :param contact_pose: the robot's centre at the first touch, and the direction of motion there;
         a holonomic base keeps the heading that it has.
-    :param settings: ``DriveSettings``.
     :param occupancy_map: ``OccupancyMap``, or None for free floor all around.
-    :param uncertainty: ``PlaceUncertainty`` of the robot, for its clearance from obstacles.
+    :param uncertainty: ``PositionUncertainty`` of the robot, for its clearance from obstacles.
     :param final_straight: length of the straight line on to the object, at least [m].
     :param end_speed: speed at the contact, 0 where the robot stops there [m/s].
     :return: ``Path`` up to the contact.
@@ -128,20 +121,20 @@ def plan_approach(robot: RoundRobot, obj: PushedObject, object_pose: Pose, start
     approach = Approach(robot, obj, *_finite(object_pose, start, contact_pose), settings,
                         final_straight, end_speed)
     return with_enough_room(
-        settings, None if occupancy_map is None else Room(occupancy_map, uncertainty),
-        lambda drive, room: _plan(approach._replace(settings=drive), room))
+        settings, None if occupancy_map is None else MapContext(occupancy_map, uncertainty),
+        lambda drive, context: _plan(approach._replace(settings=drive), context))
 
 
-def _plan(approach: Approach, room: Room | None) -> Path:
-    is_free = _free_of_obstacles(approach, room)
-    for number, (time, segments) in enumerate(_manoeuvres(approach)):
+def _plan(approach: Approach, context: MapContext | None) -> Path:
+    is_free = _free_of_obstacles(approach, context)
+    for index, (time, segments) in enumerate(_candidates(approach)):
         path = _to_path(approach, segments)
         if is_free(path):
-            if number == 0 and not _may_be_slower(approach, time):
+            if index == 0 and not _may_be_slower(approach, time):
                 return path
             # What meets obstacles may be replaced by something quicker than this.
-            return min((path, *_stopping_paths(approach, room)), key=approach.time)
-    return _stopping_path(approach, room)
+            return min((path, *_stopping_paths(approach, context)), key=approach.time)
+    return _stopping_path(approach, context)
 
 
 def approach_time(robot: RoundRobot, obj: PushedObject, object_pose: Pose, start: Pose,
@@ -151,11 +144,8 @@ def approach_time(robot: RoundRobot, obj: PushedObject, object_pose: Pose, start
     Compute the time of the path of ``plan_approach`` on open floor, in less time than that takes.
 
     :param robot: the ``RoundRobot``, neither a point nor a flat pusher.
-    :param obj: the ``PushedObject``.
-    :param object_pose: ``Pose`` of the object.
     :param start: ``Pose`` of the robot, at rest.
     :param contact_pose: as of ``plan_approach``.
-    :param settings: ``DriveSettings``.
     :param final_straight: length of the straight line on to the object, at least [m].
     :param end_speed: speed at the contact, 0 where the robot stops there [m/s].
     :return: time [s].
@@ -164,7 +154,7 @@ def approach_time(robot: RoundRobot, obj: PushedObject, object_pose: Pose, start
     """
     approach = Approach(robot, obj, *_finite(object_pose, start, contact_pose), settings,
                         final_straight, end_speed)
-    time, _ = next(_manoeuvres(approach), (math.inf, None))
+    time, _ = next(_candidates(approach), (math.inf, None))
     if not _may_be_slower(approach, time):
         return time
     return min([time, *map(approach.time, _stopping_paths(approach, None))])
@@ -175,8 +165,8 @@ def _finite(object_pose: Pose, start: Pose, contact_pose: Pose) -> tuple[Pose, P
             finite_pose('contact_pose', contact_pose))
 
 
-def _manoeuvres(approach: Approach) -> Iterator[tuple[float, FloatArray]]:
-    """Yield time and segments of manoeuvres that keep clear of the object, quickest first."""
+def _candidates(approach: Approach) -> Iterator[tuple[float, FloatArray]]:
+    """Yield time and segments of candidates that keep clear of the object, quickest first."""
     robot, obj, settings = approach.robot, approach.obj, approach.settings
     check_robot(robot)
     limits = settings.limited_to(robot)
@@ -190,29 +180,29 @@ def _manoeuvres(approach: Approach) -> Iterator[tuple[float, FloatArray]]:
         return
     # Off the object in any case.
     reverse_limit = max(limits.reverse_limit, float(departures[:, DEPARTURE].min()) + NO_LENGTH)
-    given = Manoeuvring(
+    problem = ApproachProblem(
         _corners(body.core), obj.radius + robot.radius, limits.clearance,
         ARC_ALLOWANCE * limits.clearance, robot.drive == 'holonomic', start.x, start.y,
         robot.drive == 'differential', goal.x, goal.y, goal.theta, limits.speed, limits.yaw_rate,
         limits.acceleration, limits.yaw_acceleration, approach.end_speed, robot.time_constant,
         reverse_limit)
-    found = np.zeros((SHAPES + 1, MANOEUVRE_SIZE + 2))
+    results = np.zeros((SHAPES + 1, CANDIDATE_SIZE + 2))
     segments = np.zeros((OTHER_SEGMENTS + CORNER_SEGMENTS * len(body.core), SEGMENT_SIZE))
     steps, least = _refinement(robot.drive, approach.final_straight)
     arrivals = _arrivals(limits, robot.drive, approach.final_straight)
-    scan(given, departures, arrivals, found, segments)
-    refine(given, steps, least, found, segments)
-    for number in np.argsort(found[:SHAPES, 0], kind='stable').tolist():
-        time = float(found[number, 0])
+    scan(problem, departures, arrivals, results, segments)
+    refine(problem, steps, least, results, segments)
+    for index in np.argsort(results[:SHAPES, 0], kind='stable').tolist():
+        time = float(results[index, 0])
         if not math.isfinite(time):
             break
-        count = lay_out(given, found[number, 1:], segments)
+        count = lay_out(problem, results[index, 1:], segments)
         yield time, segments[:count]
 
 
 def _departures(robot: RoundRobot, body: InflatedObstacle, start: Pose,
                 limits: DriveSettings) -> FloatArray | None:
-    """List the beginnings of manoeuvres, None where none leads off the object."""
+    """List the starts of candidates, None where none leads off the object."""
     gap, outward = body.nearest(start.x, start.y)
     patterns = _departure_patterns(limits, robot.drive)
     rows = patterns.copy()
@@ -247,7 +237,7 @@ def _departure_patterns(limits: DriveSettings, drive: str) -> FloatArray:
         # Behind an arc a turn in place is never the quickest.
         if angle and not sense:
             continue
-        row = np.zeros(MANOEUVRE_SIZE)
+        row = np.zeros(CANDIDATE_SIZE)
         row[[DIRECTION, DEPARTURE, DEPARTURE_ANGLE, DEPARTURE_RADIUS, FIRST_RADIUS]] = (
             direction, length, angle, radius, sense * radius)
         rows.append(row)
@@ -262,7 +252,7 @@ def _arrivals(limits: DriveSettings, drive: str, final_straight: float) -> Float
     for angle, length, sense in itertools.product(angles, EXTRA_STRAIGHTS, (0.0, 1.0, -1.0)):
         if angle and not sense:
             continue
-        row = np.zeros(MANOEUVRE_SIZE)
+        row = np.zeros(CANDIDATE_SIZE)
         straight = max(final_straight, limits.clearance) + length
         row[[LAST_RADIUS, ARRIVAL_ANGLE, ARRIVAL_RADIUS, ARRIVAL]] = (
             sense * radius, angle, radius, straight)
@@ -278,8 +268,8 @@ def _full_speed_radius(limits: DriveSettings, drive: str) -> float:
 
 @functools.lru_cache(maxsize=16)
 def _refinement(drive: str, final_straight: float) -> tuple[FloatArray, FloatArray]:
-    """First steps of the numbers of a manoeuvre, and their least magnitudes."""
-    steps, least = np.zeros(MANOEUVRE_SIZE), np.zeros(MANOEUVRE_SIZE)
+    """First steps of the values of a candidate, and their least magnitudes."""
+    steps, least = np.zeros(CANDIDATE_SIZE), np.zeros(CANDIDATE_SIZE)
     steps[[DEPARTURE, ARRIVAL]] = 0.05
     steps[[FIRST_RADIUS, LAST_RADIUS]] = 0.04
     least[[FIRST_RADIUS, LAST_RADIUS, DEPARTURE_RADIUS, ARRIVAL_RADIUS]] = MIN_RADIUS
@@ -298,7 +288,7 @@ def _corners(core: Outline) -> FloatArray:
 
 
 def _to_path(approach: Approach, segments: FloatArray) -> Path:
-    """Make a path in the world of the segments of a manoeuvre."""
+    """Make a path in the world of the segments of a candidate."""
     waypoints: list[Waypoint] = []
     backwards: list[bool] = []
     for row in segments.tolist():
@@ -317,40 +307,39 @@ def _to_path(approach: Approach, segments: FloatArray) -> Path:
     return differential_path(approach.start, approach.goal, waypoints, backwards)
 
 
-def _stopping_path(approach: Approach, room: Room | None) -> Path:
+def _stopping_path(approach: Approach, context: MapContext | None) -> Path:
     """Plan a path that stops before the contact, and goes straight on to it."""
     goal, direction = approach.goal, approach.contact_pose.theta
     distance = approach.settings.standoff
     standoff = goal._replace(x=goal.x - distance * math.cos(direction),
                              y=goal.y - distance * math.sin(direction))
     path = path_with_clearance(approach.robot, approach.obj, approach.object_pose, approach.start,
-                               standoff, approach.settings, room=room)
+                               standoff, approach.settings, context=context)
     return Path((*path.poses, goal), (*path.arc_angles, 0.0))
 
 
-def _stopping_paths(approach: Approach, room: Room | None) -> list[Path]:
+def _stopping_paths(approach: Approach, context: MapContext | None) -> list[Path]:
     """List the path that stops before the contact, if there is one."""
     try:
-        return [_stopping_path(approach, room)]
+        return [_stopping_path(approach, context)]
     except NoPathFound:
         return []
 
 
 def _may_be_slower(approach: Approach, time: float) -> bool:
     """
-    Tell whether a path that stops before the contact may be quicker than a manoeuvre.
+    Tell whether a path that stops before the contact may be quicker than a candidate.
 
-    :param approach: ``Approach``.
-    :param time: of the manoeuvre [s].
+    :param time: of the candidate [s].
     """
     is_short = approach.robot.drive == 'holonomic' and time < LONG_APPROACH
     return is_short or not math.isfinite(time)
 
 
-def _free_of_obstacles(approach: Approach, room: Room | None) -> Callable[[Path], bool]:
+def _free_of_obstacles(approach: Approach, context: MapContext | None) -> Callable[[Path], bool]:
     """Return the test whether a path keeps clear of the obstacles of a map."""
-    if room is None:
+    if context is None:
         return lambda path: True
-    robot, spacing = approach.robot, room.occupancy_map.resolution
-    kept = map_clearance(robot, approach.start, approach.goal, approach.settings, room)
-    return lambda path: kept.is_free(sample_path(path, robot, spacing))
+    robot, spacing = approach.robot, context.occupancy_map.resolution
+    margins = map_clearance(robot, approach.start, approach.goal, approach.settings, context)
+    return lambda path: margins.is_free(sample_path(path, robot, spacing))

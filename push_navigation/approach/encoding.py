@@ -1,13 +1,13 @@
-"""Manoeuvres and their segments as the compiled code encodes them: rows of numbers."""
+"""Approach candidates and their segments as compiled code encodes them: rows of values."""
 
 import math
 from typing import Any, NamedTuple
 
 from push_dynamics.compiled import compiled
 
-# Numbers of a manoeuvre.
+# Values of a candidate.
 GEAR = 0                # between departure and arrival: 1 forwards, -1 backwards
-SIDE = 1                # of the tour round the object: 1 counter-clockwise, -1, or 0 for none
+SIDE = 1                # of the detour round the object: 1 counter-clockwise, -1, or 0 for none
 DIRECTION = 2           # of motion at the beginning [rad]
 DEPARTURE = 3           # length of the first straight line [m]
 DEPARTURE_ANGLE = 4     # of the arc behind it, positive to the left [rad]
@@ -17,7 +17,7 @@ LAST_RADIUS = 7         # of the last curve, signed [m]
 ARRIVAL_ANGLE = 8       # of the arc before the last straight line [rad]
 ARRIVAL_RADIUS = 9      # of that arc [m]
 ARRIVAL = 10            # length of the last straight line [m]
-MANOEUVRE_SIZE = 11
+CANDIDATE_SIZE = 11
 
 # Numbers of a segment.
 X, Y, THETA = 0, 1, 2   # where it begins, and the direction of motion there
@@ -31,13 +31,13 @@ JOINT_SPEED = 9         # squared speed at its end
 WINDOW = 10             # distance before and behind its end on which the speed is that
 RAMP = 11               # length on which the speed changes
 SEGMENT_SIZE = 12
-# Segments of a manoeuvre but for those of its tour round corners, at most, and segments of a tour
-# for each corner: an arc and an edge. The first is above what any shape has.
+# Segments of a candidate but for those of its detour round corners, at most, and segments of a
+# detour for each corner: an arc and an edge. The first is above what any shape has.
 OTHER_SEGMENTS = 32
 CORNER_SEGMENTS = 2
 
 # Kinds of segments, which differ in the distance that they keep from the object.
-LEADS_OFF, CURVES, KEEPS_OFF, TOURS, LEADS_ON = 0, 1, 2, 3, 4
+LEADS_OFF, CURVES, KEEPS_OFF, DETOURS, LEADS_ON = 0, 1, 2, 3, 4
 
 # Rounding of an arc that has no length [rad].
 NO_ANGLE = 1e-7
@@ -45,9 +45,9 @@ NO_ANGLE = 1e-7
 NO_LENGTH = 1e-7
 
 
-class Manoeuvring(NamedTuple):
+class ApproachProblem(NamedTuple):
     """
-    What manoeuvres are laid out for.
+    What candidates are laid out for.
 
     :param corners: of the object, counter-clockwise, shape (n, 2); one for a disc [m].
     :param contact_radius: distance of the robot's centre from the corners at contact [m].

@@ -1,5 +1,5 @@
 """
-Where a manoeuvre leads: its straight lines and arcs, tangent to each other.
+Where a candidate leads: its straight lines and arcs, tangent to each other.
 
 Each curve is a circle with a sense: its signed radius is positive where it is left round. Two
 such circles with centres d apart and radii r1, r2 have one common tangent, in the direction
@@ -14,14 +14,14 @@ from typing import Any, NamedTuple
 
 from push_dynamics.compiled import compiled, wrap_angles
 from push_navigation.approach.encoding import (
-    append, ARRIVAL, ARRIVAL_ANGLE, ARRIVAL_RADIUS, CURVES, DEPARTURE, DEPARTURE_ANGLE,
-    DEPARTURE_RADIUS, DIRECTION, FIRST_RADIUS, GEAR, KEEPS_OFF, LAST_RADIUS, LEADS_OFF,
-    LEADS_ON, Manoeuvring, moved, NO_ANGLE, SIDE, TOURS,
+    append, ApproachProblem, ARRIVAL, ARRIVAL_ANGLE, ARRIVAL_RADIUS, CURVES, DEPARTURE,
+    DEPARTURE_ANGLE, DEPARTURE_RADIUS, DETOURS, DIRECTION, FIRST_RADIUS, GEAR, KEEPS_OFF,
+    LAST_RADIUS, LEADS_OFF, LEADS_ON, moved, NO_ANGLE, SIDE,
 )
 
 # An arc of a curve is not longer than this [rad]. Chosen: three quarters of a circle, beyond which
 # the other sense is quicker.
-LONGEST_ARC = 1.5 * math.pi
+MAX_ARC = 1.5 * math.pi
 
 
 class Circle(NamedTuple):
@@ -50,7 +50,7 @@ class Tangent(NamedTuple):
     length: float
 
 
-class Tour(NamedTuple):
+class Detour(NamedTuple):
     """
     Corners of the object that the robot passes.
 
@@ -81,7 +81,6 @@ def point_on(circle: Circle, direction: float) -> tuple[float, float]:
     """
     Find where the robot is on a circle as it moves in a direction.
 
-    :param circle: ``Circle``.
     :param direction: of motion [rad].
     :return: (x, y) [m].
     """
@@ -90,16 +89,16 @@ def point_on(circle: Circle, direction: float) -> tuple[float, float]:
 
 
 @compiled
-def common_tangent(begin: Circle, end: Circle) -> Tangent:
+def common_tangent(start: Circle, end: Circle) -> Tangent:
     """
     Find the straight line that leads from one circle to another.
 
-    :param begin: ``Circle`` that it leaves.
+    :param start: ``Circle`` that it leaves.
     :param end: ``Circle`` that it leads to.
     :return: ``Tangent``, of length -1 where one circle is inside the other.
     """
-    to_x, to_y = end.x - begin.x, end.y - begin.y
-    growth = end.radius - begin.radius
+    to_x, to_y = end.x - start.x, end.y - start.y
+    growth = end.radius - start.radius
     squared = to_x * to_x + to_y * to_y - growth * growth
     if not squared > 0.0:
         return Tangent(0.0, -1.0)
@@ -108,31 +107,29 @@ def common_tangent(begin: Circle, end: Circle) -> Tangent:
 
 
 @compiled
-def corner_circle(given: Manoeuvring, number: int, side: float) -> Circle:
+def corner_circle(problem: ApproachProblem, index: int, side: float) -> Circle:
     """
     Return the circle on which the robot rounds a corner of the object.
 
-    :param given: ``Manoeuvring``.
-    :param number: of the corner.
-    :param side: of the tour.
+    :param index: of the corner.
+    :param side: of the detour.
     """
-    return Circle(given.corners[number, 0], given.corners[number, 1],
-                  side * (given.contact_radius + given.clearance))
+    return Circle(problem.corners[index, 0], problem.corners[index, 1],
+                  side * (problem.contact_radius + problem.clearance))
 
 
 @compiled
-def first_corner(given: Manoeuvring, circle: Circle, side: float) -> int:
+def first_corner(problem: ApproachProblem, circle: Circle, side: float) -> int:
     """
-    Find the corner that a tour round the object meets first.
+    Find the corner that a detour round the object meets first.
 
-    :param given: ``Manoeuvring``.
     :param circle: ``Circle`` of the first curve.
-    :param side: of the tour.
+    :param side: of the detour.
     :return: number of the corner, -1 where the curve overlaps with one.
     """
-    reference, found, least_angle = 0.0, -1, math.inf
-    for i in range(len(given.corners)):
-        corner = corner_circle(given, i, side)
+    reference, corner_index, least_angle = 0.0, -1, math.inf
+    for i in range(len(problem.corners)):
+        corner = corner_circle(problem, i, side)
         to_x, to_y = corner.x - circle.x, corner.y - circle.y
         growth, away = corner.radius - circle.radius, math.hypot(to_x, to_y)
         if away <= abs(growth):
@@ -142,30 +139,29 @@ def first_corner(given: Manoeuvring, circle: Circle, side: float) -> int:
             reference = direction
         angle = side * wrap_angles(direction - reference)
         if angle < least_angle:
-            found, least_angle = i, angle
-    return found
+            corner_index, least_angle = i, angle
+    return corner_index
 
 
 @compiled
-def tour_between(given: Manoeuvring, first: Circle, last: Circle, side: float) -> Tour:
+def detour_between(problem: ApproachProblem, first: Circle, last: Circle, side: float) -> Detour:
     """
-    Find the corners that a tour passes.
+    Find the corners that a detour passes.
 
-    :param given: ``Manoeuvring``.
     :param first: ``Circle`` of the first curve.
     :param last: ``Circle`` of the last curve.
-    :param side: of the tour, 0 for none.
-    :return: ``Tour``, with -1 corners where a curve overlaps with a corner.
+    :param side: of the detour, 0 for none.
+    :return: ``Detour``, with -1 corners where a curve overlaps with a corner.
     """
     if side == 0.0:
-        return Tour(0, 0, 1)
+        return Detour(0, 0, 1)
     step = 1 if side > 0.0 else -1
-    begin = first_corner(given, first, side)
-    # Seen from the other end, the tour goes round the other side.
-    end = first_corner(given, Circle(last.x, last.y, -last.radius), -side)
-    if begin < 0 or end < 0:
-        return Tour(0, -1, step)
-    return Tour(begin, (step * (end - begin)) % len(given.corners) + 1, step)
+    start = first_corner(problem, first, side)
+    # Seen from the other end, the detour goes round the other side.
+    end = first_corner(problem, Circle(last.x, last.y, -last.radius), -side)
+    if start < 0 or end < 0:
+        return Detour(0, -1, step)
+    return Detour(start, (step * (end - start)) % len(problem.corners) + 1, step)
 
 
 @compiled
@@ -186,84 +182,82 @@ def curve_angle(before: float, after: float, radius: float) -> float:
 
 
 @compiled
-def lay_tour(given: Manoeuvring, manoeuvre: Any, segments: Any, count: int,
-             first: tuple[float, float, float], last: tuple[float, float, float]) -> int:
+def lay_detour(problem: ApproachProblem, candidate: Any, segments: Any, count: int,
+               first: tuple[float, float, float], last: tuple[float, float, float]) -> int:
     """
     Lay out curves and tangents between departure and arrival.
 
-    :param given: ``Manoeuvring``.
-    :param manoeuvre: numbers of the manoeuvre.
+    :param candidate: values of the candidate.
     :param segments: shape (s, SEGMENT_SIZE), changed.
     :param count: of segments so far.
     :param first: (x, y, direction of motion) at the end of the departure.
     :param last: (x, y, direction of motion) at the beginning of the arrival.
-    :return: count of segments now, 0 where there is no such tour.
+    :return: count of segments now, 0 where there is no such detour.
     """
-    side = manoeuvre[SIDE]
-    reverses = 1.0 if manoeuvre[GEAR] < 0.0 else 0.0
-    circle = circle_of(first, manoeuvre[FIRST_RADIUS])
-    last_circle = circle_of(last, manoeuvre[LAST_RADIUS])
-    tour = tour_between(given, circle, last_circle, side)
-    if tour.corners < 0:
+    side = candidate[SIDE]
+    reverses = 1.0 if candidate[GEAR] < 0.0 else 0.0
+    circle = circle_of(first, candidate[FIRST_RADIUS])
+    last_circle = circle_of(last, candidate[LAST_RADIUS])
+    detour = detour_between(problem, circle, last_circle, side)
+    if detour.corners < 0:
         return 0
     x, y, direction = first
-    for passed in range(tour.corners + 1):
+    for passed in range(detour.corners + 1):
         following = last_circle
-        if passed < tour.corners:
-            corner = (tour.first + tour.step * passed) % len(given.corners)
-            following = corner_circle(given, corner, side)
+        if passed < detour.corners:
+            corner = (detour.first + detour.step * passed) % len(problem.corners)
+            following = corner_circle(problem, corner, side)
         tangent = common_tangent(circle, following)
         angle = curve_angle(direction, tangent.direction, circle.radius)
-        if tangent.length < 0.0 or abs(angle) > LONGEST_ARC:
+        if tangent.length < 0.0 or abs(angle) > MAX_ARC:
             return 0
-        count = append(segments, count, TOURS if passed > 0 else CURVES, (x, y, direction),
+        count = append(segments, count, DETOURS if passed > 0 else CURVES, (x, y, direction),
                        (abs(circle.radius * angle), angle), reverses)
         x, y = point_on(circle, tangent.direction)
         # Between two corners it keeps the clearance by construction.
-        is_between = 0 < passed < tour.corners
-        count = append(segments, count, TOURS if is_between else KEEPS_OFF,
+        is_between = 0 < passed < detour.corners
+        count = append(segments, count, DETOURS if is_between else KEEPS_OFF,
                        (x, y, tangent.direction), (tangent.length, 0.0), reverses)
         x, y = point_on(following, tangent.direction)
         direction, circle = tangent.direction, following
     angle = curve_angle(direction, last[2], circle.radius)
-    if abs(angle) > LONGEST_ARC:
+    if abs(angle) > MAX_ARC:
         return 0
     return append(segments, count, CURVES, (x, y, direction),
                   (abs(circle.radius * angle), angle), reverses)
 
 
 @compiled
-def lay_out(given: Manoeuvring, manoeuvre: Any, segments: Any) -> int:
+def lay_out(problem: ApproachProblem, candidate: Any, segments: Any) -> int:
     """
-    Lay out a manoeuvre.
+    Lay out a candidate.
 
-    :param given: ``Manoeuvring``.
-    :param manoeuvre: its numbers.
+    :param candidate: its values.
     :param segments: shape (s, SEGMENT_SIZE), changed.
-    :return: count of segments, 0 where there is no such manoeuvre.
+    :return: count of segments, 0 where there is no such candidate.
     """
-    backwards = 1.0 if given.starts_backwards else 0.0
-    here = given.start_x, given.start_y, manoeuvre[DIRECTION]
-    count = append(segments, 0, LEADS_OFF, here, (manoeuvre[DEPARTURE], 0.0), backwards)
-    here = moved(here, manoeuvre[DEPARTURE], 0.0)
-    angle = manoeuvre[DEPARTURE_ANGLE]
-    length = abs(angle) * manoeuvre[DEPARTURE_RADIUS]
+    backwards = 1.0 if problem.starts_backwards else 0.0
+    here = problem.start_x, problem.start_y, candidate[DIRECTION]
+    count = append(segments, 0, LEADS_OFF, here, (candidate[DEPARTURE], 0.0), backwards)
+    here = moved(here, candidate[DEPARTURE], 0.0)
+    angle = candidate[DEPARTURE_ANGLE]
+    length = abs(angle) * candidate[DEPARTURE_RADIUS]
     count = append(segments, count, CURVES, here, (length, angle), backwards)
     here = moved(here, length, angle)
-    reverses = manoeuvre[GEAR] < 0.0
-    if reverses != given.starts_backwards:
+    reverses = candidate[GEAR] < 0.0
+    if reverses != problem.starts_backwards:
         here = here[0], here[1], here[2] + math.pi
 
     # From the goal, the arrival backwards.
-    goal = given.goal_x, given.goal_y, given.goal_direction + math.pi
-    joint = moved(goal, manoeuvre[ARRIVAL], 0.0)
-    angle = manoeuvre[ARRIVAL_ANGLE]
-    length = abs(angle) * manoeuvre[ARRIVAL_RADIUS]
+    goal = problem.goal_x, problem.goal_y, problem.goal_direction + math.pi
+    joint = moved(goal, candidate[ARRIVAL], 0.0)
+    angle = candidate[ARRIVAL_ANGLE]
+    length = abs(angle) * candidate[ARRIVAL_RADIUS]
     there = moved(joint, length, -angle)
     arrival = there[0], there[1], there[2] + math.pi
-    count = lay_tour(given, manoeuvre, segments, count, here, there if reverses else arrival)
+    count = lay_detour(problem, candidate, segments, count, here, there if reverses else arrival)
     if count == 0:
         return 0
     count = append(segments, count, CURVES, arrival, (length, angle), 0.0)
-    return append(segments, count, LEADS_ON, (joint[0], joint[1], given.goal_direction),
-                  (manoeuvre[ARRIVAL], 0.0), 0.0)
+    return append(segments, count, LEADS_ON, (joint[0], joint[1], problem.goal_direction),
+                  (candidate[ARRIVAL], 0.0), 0.0)

@@ -1,5 +1,5 @@
 """
-How long a manoeuvre takes: limits of its segments, speeds at their joints, and the sum.
+How long a candidate takes: limits of its segments, speeds at their joints, and the sum.
 
 The same as ``push_navigation.speed_profile`` computes for a ``Path``, on rows of numbers.
 """
@@ -9,7 +9,7 @@ from typing import Any
 
 from push_dynamics.compiled import compiled
 from push_navigation.approach.encoding import (
-    ACCELERATION, ANGLE, JOINT_SPEED, LENGTH, Manoeuvring, RAMP, REVERSES, TOP_SPEED, WINDOW,
+    ACCELERATION, ANGLE, ApproachProblem, JOINT_SPEED, LENGTH, RAMP, REVERSES, TOP_SPEED, WINDOW,
 )
 from push_navigation.path import MIN_ROTATION
 from push_navigation.speed_profile import (
@@ -19,70 +19,67 @@ from push_navigation.speed_profile import (
 
 
 @compiled
-def limit_segment(given: Manoeuvring, row: Any) -> None:
+def limit_segment(problem: ApproachProblem, row: Any) -> None:
     """
     Find speed and acceleration limits of a segment, as ``speed_profile.segment_limits`` does.
 
-    :param given: ``Manoeuvring``.
     :param row: of the segment, changed.
     """
-    speed, acceleration = given.speed, given.acceleration
+    speed, acceleration = problem.speed, problem.acceleration
     angle = abs(row[ANGLE])
     if row[LENGTH] > 0.0 and angle > 0.0:
         radius = row[LENGTH] / angle
-        if not given.is_holonomic:
-            speed = min(speed, given.yaw_rate * radius)
-            acceleration = min(acceleration, given.yaw_acceleration * radius)
-        speed = min(speed, math.sqrt(LATERAL_FRACTION * given.acceleration * radius))
+        if not problem.is_holonomic:
+            speed = min(speed, problem.yaw_rate * radius)
+            acceleration = min(acceleration, problem.yaw_acceleration * radius)
+        speed = min(speed, math.sqrt(LATERAL_FRACTION * problem.acceleration * radius))
         lateral = speed * speed / radius
         acceleration = min(acceleration,
-                           math.sqrt(given.acceleration * given.acceleration
+                           math.sqrt(problem.acceleration * problem.acceleration
                                      - lateral * lateral))
     row[TOP_SPEED], row[ACCELERATION] = speed, acceleration
 
 
 @compiled
-def moves_on(given: Manoeuvring, segments: Any, number: int, count: int) -> bool:
+def moves_on(problem: ApproachProblem, segments: Any, index: int, count: int) -> bool:
     """
     Tell whether the robot need not stop at the end of a segment.
 
-    :param given: ``Manoeuvring``.
     :param segments: shape (s, SEGMENT_SIZE).
-    :param number: of the segment, -1 for the beginning of the first.
+    :param index: of the segment, -1 for the beginning of the first.
     :param count: of segments.
     """
-    if number < 0:
+    if index < 0:
         return False
-    if number + 1 == count:
-        return given.end_speed > 0.0
-    before, after = segments[number], segments[number + 1]
+    if index + 1 == count:
+        return problem.end_speed > 0.0
+    before, after = segments[index], segments[index + 1]
     return before[LENGTH] > 0.0 and after[LENGTH] > 0.0 and before[REVERSES] == after[REVERSES]
 
 
 @compiled
-def limit_joint(given: Manoeuvring, segments: Any, number: int, count: int) -> None:
+def limit_joint(problem: ApproachProblem, segments: Any, index: int, count: int) -> None:
     """
     Bound the speed between two segments, as ``speed_profile.joint_speed_limit`` does.
 
-    :param given: ``Manoeuvring``.
     :param segments: shape (s, SEGMENT_SIZE), changed.
-    :param number: of the first of them.
+    :param index: of the first of them.
     :param count: of segments.
     """
-    before, after = segments[number], segments[number + 1]
+    before, after = segments[index], segments[index + 1]
     top = min(before[TOP_SPEED], after[TOP_SPEED])
     before[JOINT_SPEED] = top * top
-    if given.is_holonomic:
+    if problem.is_holonomic:
         return
     jump = abs(after[ANGLE] / after[LENGTH] - before[ANGLE] / before[LENGTH])
-    window = top * top * jump / (2.0 * YAW_FRACTION * given.yaw_acceleration)
+    window = top * top * jump / (2.0 * YAW_FRACTION * problem.yaw_acceleration)
     if window < MIN_WINDOW:
         return
-    goes_on = moves_on(given, segments, number + 1, count)
+    goes_on = moves_on(problem, segments, index + 1, count)
     cut = MAX_CORNER_CUT
-    if not (goes_on and moves_on(given, segments, number - 1, count)):
+    if not (goes_on and moves_on(problem, segments, index - 1, count)):
         cut *= CORNER_CUT_AT_REST
-    passes = goes_on and number + 2 == count
+    passes = goes_on and index + 2 == count
     longest = min(0.5 * before[LENGTH], (PASSING_ROOM if passes else 0.5) * after[LENGTH],
                   math.sqrt(6.0 * cut / jump))
     before[WINDOW] = min(window, longest)
@@ -108,22 +105,21 @@ def ramp_time(length: float, first: float, last: float, speed: float,
 
 
 @compiled
-def limit_joints(given: Manoeuvring, segments: Any, count: int) -> None:
+def limit_joints(problem: ApproachProblem, segments: Any, count: int) -> None:
     """
     Find the greatest speeds at the joints of segments, as ``speed_profile.joint_speeds`` does.
 
-    :param given: ``Manoeuvring``.
     :param segments: shape (s, SEGMENT_SIZE), changed.
     :param count: of segments, at least one.
     """
     for i in range(count):
-        limit_segment(given, segments[i])
+        limit_segment(problem, segments[i])
         segments[i, JOINT_SPEED], segments[i, WINDOW] = 0.0, 0.0
     for i in range(count - 1):
-        if moves_on(given, segments, i, count):
-            limit_joint(given, segments, i, count)
+        if moves_on(problem, segments, i, count):
+            limit_joint(problem, segments, i, count)
     if segments[count - 1, LENGTH] > 0.0:
-        segments[count - 1, JOINT_SPEED] = min(given.end_speed,
+        segments[count - 1, JOINT_SPEED] = min(problem.end_speed,
                                                segments[count - 1, TOP_SPEED]) ** 2
     before, window = 0.0, 0.0
     for i in range(count):
@@ -138,16 +134,15 @@ def limit_joints(given: Manoeuvring, segments: Any, count: int) -> None:
 
 
 @compiled
-def duration(given: Manoeuvring, segments: Any, count: int) -> float:
+def duration(problem: ApproachProblem, segments: Any, count: int) -> float:
     """
-    Compute the time of a manoeuvre from rest, as ``speed_profile.travel_time`` does [s].
+    Compute the time of a candidate from rest, as ``speed_profile.travel_time`` does [s].
 
-    :param given: ``Manoeuvring``.
     :param segments: shape (s, SEGMENT_SIZE), changed.
     :param count: of segments, at least one.
     """
-    limit_joints(given, segments, count)
-    time = given.time_constant if segments[count - 1, JOINT_SPEED] > 0.0 else 0.0
+    limit_joints(problem, segments, count)
+    time = problem.time_constant if segments[count - 1, JOINT_SPEED] > 0.0 else 0.0
     before = 0.0
     for i in range(count):
         row = segments[i]
@@ -155,11 +150,12 @@ def duration(given: Manoeuvring, segments: Any, count: int) -> float:
         if row[LENGTH] > 0.0:
             time += ramp_time(row[RAMP], before, last, row[TOP_SPEED], row[ACCELERATION])
             if last == 0.0:
-                time += given.time_constant + FADE_TIME
+                time += problem.time_constant + FADE_TIME
             elif row[WINDOW] > 0.0:
                 time += 2.0 * row[WINDOW] / math.sqrt(last)
-        elif not given.is_holonomic and abs(row[ANGLE]) > MIN_ROTATION:
-            time += (ramp_time(abs(row[ANGLE]), 0.0, 0.0, given.yaw_rate, given.yaw_acceleration)
-                     + given.time_constant + FADE_TIME)
+        elif not problem.is_holonomic and abs(row[ANGLE]) > MIN_ROTATION:
+            time += (ramp_time(abs(row[ANGLE]), 0.0, 0.0, problem.yaw_rate,
+                               problem.yaw_acceleration)
+                     + problem.time_constant + FADE_TIME)
         before = last
     return time

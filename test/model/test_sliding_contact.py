@@ -5,10 +5,10 @@ import math
 
 from helpers.objects import box
 import numpy as np
-from push_model.analysis.rolling_limits import quasi_static_force
 from push_model.analysis.sliding_contact import contact_motion, motion_cone, SupportArrays
 from push_model.quasi_static import quasi_static_yaw_rate
 import pytest
+from studies.analysis.rolling_limits import quasi_static_force
 
 pytestmark = pytest.mark.physics
 OBJECT = dataclasses.replace(box(), center_of_mass=(0.03, -0.02))

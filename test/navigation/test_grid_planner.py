@@ -7,7 +7,7 @@ from helpers.objects import square_outline
 import numpy as np
 from push_model.geometry import Pose
 from push_navigation.grid_planner import COMFORTABLE_GAP, grid_waypoints
-from push_navigation.map_clearance import MapClearance, Room
+from push_navigation.map_clearance import MapClearance, MapContext
 from push_navigation.obstacle import inflate
 from push_navigation.path import NoPathFound
 import pytest
@@ -19,7 +19,7 @@ ASIDE = Pose(-2.2, -2.2, 0.4)
 
 def corners(occupancy_map, start, goal, object_pose=ASIDE):
     """Return start and waypoints, shape (n, 2)."""
-    kept = MapClearance(Room(occupancy_map), RADIUS, start, CLEARANCE - RADIUS, 1.0)
+    kept = MapClearance(MapContext(occupancy_map), RADIUS, start, CLEARANCE - RADIUS, 1.0)
     waypoints = grid_waypoints(kept, BODY, object_pose, start, goal)
     assert all(waypoint.arc_angle == 0.0 for waypoint in waypoints)
     return np.array([start, *(waypoint[:2] for waypoint in waypoints)])

@@ -8,7 +8,7 @@ import numpy as np
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
 from push_navigation.approach.approach_path import plan_approach
-from push_navigation.map_clearance import PlaceUncertainty
+from push_navigation.map_clearance import PositionUncertainty
 from push_navigation.path import NoPathFound, sample_path
 from push_navigation.path_planner import plan_path
 from push_navigation.settings import DriveSettings
@@ -17,7 +17,7 @@ import pytest
 ROBOT = RoundRobot(0.17, 'differential')
 SETTINGS = DriveSettings()
 # A robot that has just started: 2 % of the way, and 0.02 rad/m.
-DRIFTING = PlaceUncertainty(0.005, 0.02, 0.02)
+DRIFTING = PositionUncertainty(0.005, 0.02, 0.02)
 ASIDE = Pose(-1.5, -2.2, 0.4)
 
 
@@ -91,7 +91,7 @@ def test_contacts_beside_a_wall_are_not_for_robots_that_may_be_elsewhere():
     object_pose = Pose(0.0, 2.5, 0.0)
     contact = Pose(-0.37, 2.66, 0.0)
     far, near = Pose(-2.5, -2.0, 0.5), Pose(-1.0, 2.4, 0.0)
-    for start, uncertainty in ((far, PlaceUncertainty()), (near, DRIFTING)):
+    for start, uncertainty in ((far, PositionUncertainty()), (near, DRIFTING)):
         plan_approach(ROBOT, box(), object_pose, start, contact, SETTINGS,
                       occupancy_map=occupancy_map, uncertainty=uncertainty)
     with pytest.raises(NoPathFound, match='too uncertain'):
@@ -104,6 +104,6 @@ def test_a_robot_that_starts_beside_a_wall_may_leave_it():
     occupancy_map = walled_room()
     start = Pose(0.0, 3.0 - ROBOT.radius - 0.06, 0.0)
     path = plan_path(ROBOT, box(), ASIDE, start, Pose(1.0, 0.0, 0.0), SETTINGS,
-                     occupancy_map=occupancy_map, uncertainty=PlaceUncertainty(0.05, 0.02, 0.0))
+                     occupancy_map=occupancy_map, uncertainty=PositionUncertainty(0.05, 0.02, 0.0))
     found = gaps(occupancy_map, sample_path(path, ROBOT, 0.02))
     assert math.isclose(found.min(), found[0], abs_tol=0.01)

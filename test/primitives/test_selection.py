@@ -6,6 +6,7 @@ import threading
 
 from helpers.objects import bin_
 import numpy as np
+from push_dynamics.private_folder import PrivateFolder
 from push_model.friction import friction_center
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
@@ -141,10 +142,10 @@ def test_lengths_between_those_of_the_table_are_interpolated(primitives):
 
 def test_the_store_returns_the_same_bits(monkeypatch, tmp_path):
     """From the file, made anew, or without a disk; what is spoilt is made anew."""
-    for name, value in (('BEARINGS', 8), ('KEPT_ACTIONS', 2), ('ROUNDS', (1,))):
+    for name, value in (('BEARINGS', 8), ('SELECTED_ACTIONS', 2), ('ROUNDS', (1,))):
         monkeypatch.setattr(value_iteration, name, value)
     # Not by the environment: what is compiled is not compiled again.
-    monkeypatch.setattr(store, 'cache_directory', lambda: str(tmp_path))
+    monkeypatch.setattr(store, 'cache_directory', lambda: PrivateFolder(tmp_path))
     arrays = []
     for kind in ('made', 'read', 'spoilt', 'no disk'):
         store.forget()
@@ -166,7 +167,7 @@ def test_the_store_returns_the_same_bits(monkeypatch, tmp_path):
 
 def test_what_another_process_is_making_is_waited_for(monkeypatch, tmp_path, primitives):
     """Nodes that start together make the primitives once."""
-    monkeypatch.setattr(store, 'cache_directory', lambda: str(tmp_path))
+    monkeypatch.setattr(store, 'cache_directory', lambda: PrivateFolder(tmp_path))
     is_begun, may_end, made = threading.Event(), threading.Event(), []
 
     def build(*_):

@@ -4,6 +4,7 @@ import math
 
 from helpers.objects import bin_, box
 import numpy as np
+from push_dynamics.private_folder import PrivateFolder
 from push_model.friction import friction_center
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
@@ -82,10 +83,10 @@ def test_guesses_about_learned_friction_are_close_to_it():
 @pytest.mark.slow
 def test_turning_takes_longer_the_nearer_the_centre_of_friction_is(monkeypatch, tmp_path):
     """Moving on does not; and all that agree about friction have the same primitives."""
-    for name, value in (('BEARINGS', 8), ('KEPT_ACTIONS', 4)):
+    for name, value in (('BEARINGS', 8), ('SELECTED_ACTIONS', 4)):
         monkeypatch.setattr(value_iteration, name, value)
     # Not by the environment: what is compiled is not compiled again.
-    monkeypatch.setattr(store, 'cache_directory', lambda: str(tmp_path))
+    monkeypatch.setattr(store, 'cache_directory', lambda: PrivateFolder(tmp_path))
     robot, settings = RoundRobot(radius=0.17, drive='holonomic'), CostSettings(drive='holonomic')
     store.forget()
     near, far = (store.load_primitives(BIN, robot, settings, KNOWN._replace(center=center))

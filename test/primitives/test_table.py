@@ -61,10 +61,20 @@ def test_places_keep_from_the_vertices():
     assert face[14].point == pytest.approx((0.185, -0.2))
 
 
-def test_an_object_of_short_faces_is_refused():
+def test_an_object_of_short_faces_is_pushed_all_round():
+    """Its places lie on the outline at equal distances, each in a sector."""
+    places = contact_places(polygon(6, 0.14))
+    assert [place.face for place in places] == [i // 12 for i in range(36)]
+    apart = [math.dist(one.point, other.point) for one, other in zip(places, places[1:])]
+    assert max(apart) == pytest.approx(6 * 0.14 / 36)
+    assert min(apart) > 0.8 * max(apart)
+    assert len({round(place.normal, 9) for place in places}) == 6
+
+
+def test_a_tiny_object_is_refused():
     """The error names the field and the length."""
-    with pytest.raises(ValueError, match=r'PushedObject\.outline: got faces of at most 0\.14'):
-        contact_places(polygon(6, 0.14))
+    with pytest.raises(ValueError, match=r'PushedObject\.outline: got 0\.12 m all round'):
+        contact_places(polygon(6, 0.02))
 
 
 def test_short_faces_that_turn_little_make_a_curve():

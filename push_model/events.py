@@ -1,0 +1,133 @@
+"""What can happen during a push: codes for the program, sentences for people."""
+
+from __future__ import annotations
+
+import dataclasses
+import enum
+from typing import Any, Generic, Mapping, TypeVar
+
+Reason = TypeVar('Reason', bound=enum.Enum)
+
+
+class PushEvent(enum.Enum):
+    """
+    Something out of the ordinary during a push.
+
+    The value is the template of the sentence that tells it; ``report`` fills in the numbers.
+    """
+
+    # The robot waits: the measurements cannot be used.
+    ODOMETRY_NOT_FINITE = 'odometry is not finite'
+    NO_OBJECT_POSE = 'no object pose yet'
+    OBJECT_POSE_NOT_FINITE = 'object pose is not finite'
+    OBJECT_POSE_STALE = 'object pose is stale: {age:.2f} s old, at most {limit:g} s'
+    # The same again and again, by a little.
+    OBJECT_POSES_LATE = (
+        'object poses come late: up to {age:.2f} s old, control.pose_timeout is {limit:g} s: '
+        'raise it, or make the tracker quicker')
+    OBJECT_POSE_JUMPS = (
+        'object pose jumps by {distance:.2f} m and {rotation:.0f} deg, not believed until some '
+        'agree')
+    OBJECT_POSE_FROZEN = (
+        'object pose repeats itself more than {count} times: the tracker is frozen')
+    OBJECT_ELSEWHERE = (
+        'object poses do not fit the push: they are {distance:.0f} mm and {rotation:.0f} deg from '
+        'where it has brought the object')
+    OBJECT_POSES_SCATTER = (
+        'object poses differ from one to the next by {distance:.0f} mm and {rotation:.0f} deg, '
+        'which is more than their noise')
+    OBJECT_STAYS_BEHIND = (
+        'object poses do not fit odometry: in the last {path:g} m the object was found displaced '
+        'by {distance:.0f} mm in all; wheels slip, or odometry or the poses are wrong')
+    # Stamps alone do not tell which of the two is off.
+    ODOMETRY_STALE = (
+        'odometry is stale: {age:.2f} s old, at most {limit:g} s; or object poses are stamped '
+        'ahead of it')
+
+    # The push has failed: it has waited long enough.
+    GAVE_UP_WAITING = 'gave up after {limit:g} s: {reason}'
+
+    # The safety layer has stopped the robot: it waits, or the push has failed.
+    SAFETY_STOP = '{reason}'
+    STOPPED_TOO_OFTEN = 'stopped {count} times: {reason}'
+
+    # The push cannot start.
+    TARGET_REFUSED = '{error}'
+    OBJECT_NOT_AT_START = (
+        'the object is not where the plan starts, but {distance:.3f} m away and turned by '
+        '{rotation:.1f} deg: request another plan')
+    ROBOT_NOT_AT_START = (
+        'the robot is not where the plan starts, but {distance:.3f} m away and turned by '
+        '{rotation:.1f} deg: it must stand at {x:.3f} m, {y:.3f} m, {heading:.3f} rad')
+
+    # The push goes on.
+    CONTACT_SLIDES = 'the contact is sliding'
+    CLOSING_GAP = 'contact is lost: approaching the object'
+
+    # The push has failed.
+    GAP_TOO_WIDE = 'contact is lost: the object is at least {gap:.0f} mm away'
+    OBJECT_DOES_NOT_FOLLOW = 'contact is lost: the object does not follow the robot'
+    ONE_SIDED_STEERING = (
+        'the centre of friction is too far to the side of this contact: friction cannot hold a '
+        'straight push there')
+    TURNED_OFF_VERTEX = 'jackknifed: the robot has rotated around the vertex onto a face'
+    PUSH_OUT_OF_CONTACT = 'jackknifed: the required push points out of the contact'
+
+    # The push has failed: it has taken what the plan for its goal stands for.
+    PATH_TOO_LONG = (
+        'aborted after {travelled:.1f} m, planned: {planned:.1f} m; the goal is {distance:.0f} mm '
+        'and {heading:.1f} deg away')
+    LEFT_FLOOR = (
+        'has left the floor of its plan: the object is {deviation:.2f} m from the planned path, '
+        'at most {limit:.2f} m; the goal is {distance:.0f} mm and {heading:.1f} deg away')
+
+    # The push has failed, but another plan may bring the object to its goal.
+    NO_PROGRESS = (
+        'comes no nearer to its goal, for {length:.1f} m and {time:.0f} s: that is '
+        '{distance:.0f} mm and {heading:.1f} deg away')
+    GOAL_MISSED = 'ended {distance:.0f} mm and {heading:.1f} deg beside the goal'
+
+    # The push has failed, and the plan that was to bring the object to its goal is not followed.
+    PLAN_EXCEEDS_FLOOR = (
+        '{failure}; another plan would need more floor or length than the first one')
+
+    def report(self, **values: Any) -> EventReport:
+        """
+        Tell that this has happened.
+
+        :param values: the numbers that the sentence names, in its units.
+        """
+        return Report(self, values)
+
+
+@dataclasses.dataclass(frozen=True)
+class Report(Generic[Reason]):
+    """
+    What has happened, and the numbers that belong to it; ``str`` gives the sentence.
+
+    :param reason: what has happened; its value is the template of its sentence.
+    :param values: the numbers that its sentence names.
+    """
+
+    reason: Reason
+    values: Mapping[str, Any] = dataclasses.field(default_factory=dict[str, Any])
+
+    def __str__(self) -> str:
+        """Return the sentence."""
+        return self.reason.value.format(**self.values)
+
+
+EventReport = Report[PushEvent]
+# The object does not seem to be where it was pushed to.
+UNBELIEVED_POSES = (
+    PushEvent.OBJECT_ELSEWHERE, PushEvent.OBJECT_POSES_SCATTER, PushEvent.OBJECT_STAYS_BEHIND)
+
+
+def sentence(report: EventReport | None) -> str:
+    """
+    Put an event into words.
+
+    :param report: ``EventReport``, or None.
+    :return: one sentence; empty where nothing has happened.
+    """
+    return '' if report is None else str(report)

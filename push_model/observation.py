@@ -1,0 +1,31 @@
+"""What the controller knows from the sensors at one instant."""
+
+from typing import NamedTuple, Optional
+
+from push_model.events import EventReport
+from push_model.signals import ObjectPose, Odometry
+
+
+class Observation(NamedTuple):
+    """
+    The newest measurements, each with its own time.
+
+    :param time: now: time of the newest measurement or of the call [s].
+    :param odometry: robot pose (world frame, drifting) and twist (robot's axes).
+    :param object_pose: the last object pose that arrived, or None before the first.
+    :param pose_rejection: ``EventReport`` of why a newer pose is not believed, or None.
+    :param dead_time: with which the base follows its commands, as identified by now [s]; None for
+        as stated.
+    """
+
+    time: float
+    odometry: Odometry
+    object_pose: Optional[ObjectPose] = None
+    pose_rejection: Optional[EventReport] = None
+    dead_time: Optional[float] = None
+
+    @property
+    def stamps(self) -> tuple[float, float, Optional[float]]:
+        """Times that tell two observations apart: now, of the odometry, of the pose [s]."""
+        pose_time = None if self.object_pose is None else self.object_pose.time
+        return self.time, self.odometry.time, pose_time
