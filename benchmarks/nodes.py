@@ -24,8 +24,8 @@ from push_ros.topics import CONTROLLER, PLANNER, SIM, TOPICS
 from push_scenario.dds.launch_parameters import (
     CONTROLLER_SECTION, launch_parameters, SIM_SECTION, write_parameters,
 )
-from push_scenario.dds.processes import NodeProcesses, private_domain
-from push_scenario.dds.replay_client import local_discovery
+from push_scenario.dds.private_network import private_domain
+from push_scenario.dds.processes import NodeProcesses
 import rclpy
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
@@ -107,9 +107,8 @@ class Observer:
 @contextlib.contextmanager
 def observer(domain: int) -> Generator[Observer, None, None]:
     """Join the domain of the nodes."""
-    with local_discovery():
-        context = Context()
-        rclpy.init(args=[], context=context, domain_id=domain)
+    context = Context()
+    rclpy.init(args=[], context=context, domain_id=domain)
     node = rclpy.create_node('benchmark', context=context)
     executor = SingleThreadedExecutor(context=context)
     executor.add_node(node)
@@ -182,7 +181,7 @@ def measure(folder: Path) -> dict[str, Any]:
     sections = launch_parameters(config_file('push.yaml'))
     sections[SIM_SECTION]['autostart'] = True
     sections.setdefault(CONTROLLER_SECTION, {})['task'] = True
-    sections.setdefault(PLANNER_SECTION, {})['planner.site'] = 'sequence'
+    sections.setdefault(PLANNER_SECTION, {})['planner.mode'] = 'task'
     parameters = Path(write_parameters(sections, folder))
     with private_domain() as domain, NodeProcesses(domain, folder) as processes, \
             observer(domain) as seen:

@@ -13,16 +13,14 @@ from pathlib import Path
 import sys
 from typing import Optional, Sequence
 
-from benchmarks.controller import grid as controller_grid
 from benchmarks.controller.cases import KINDS, scenario, STRESSES
 from benchmarks.controller.dds import over_dds, OverDds
 from benchmarks.controller.report import picture, Results, text
 from benchmarks.controller.run import LAWS, push
 from benchmarks.controller.tables import Job, Record
 from benchmarks.controller.timing import STEERING, Timed, timed
-from push_scenario.batch.batch import run_batch
-from push_scenario.batch.chunks import JobFunction
 from push_scenario.definition.loader import scenario_text
+from push_scenario.parallel import ERROR, JobFunction, progress_bar, run_many
 from tqdm import tqdm
 
 DESCRIPTION = 'Benchmark of the controller: how many random pushes each law brings to the goal.'
@@ -36,9 +34,6 @@ def options() -> argparse.Namespace:
     parser.add_argument('--cases', type=int, default=600,
                         help='pushes under each law, over all kinds')
     parser.add_argument('--stressed', type=int, default=200, help='the same, under each stress')
-    parser.add_argument('--every', type=int, default=1,
-                        help='push every n-th combination of the grid')
-    parser.add_argument('--no-grid', action='store_true', help='skip the grid of straight pushes')
     parser.add_argument('--timed', type=int, default=10, help='pushes whose steps are timed')
     parser.add_argument('--no-dds', action='store_true', help='skip the nodes over DDS')
     parser.add_argument('--quick', action='store_true', help='few of everything, no nodes')
@@ -53,23 +48,19 @@ def options() -> argparse.Namespace:
     chosen = parser.parse_args()
     if chosen.quick:
         chosen.cases = chosen.stressed = len(KINDS)
-        chosen.every, chosen.timed, chosen.no_dds = 80, 1, True
+        chosen.timed, chosen.no_dds = 1, True
     return chosen
 
 
-def batch(function: JobFunction, jobs: Sequence[Job], name: str, chosen: argparse.Namespace,
-          chunk: int) -> list[Record]:
+def run_jobs(function: JobFunction, jobs: Sequence[Job], name: str, chosen: argparse.Namespace,
+             block: int) -> list[Record]:
     """Run jobs, or resume them; return their records."""
-    with tqdm(total=len(jobs), desc=name) as bar:
-        def advance(done: int, _: int) -> None:
-            bar.update(done - bar.n)
-
-        result = run_batch(function, jobs, chosen.records / f'{name}-{len(jobs)}.jsonl',
-                           workers=chosen.workers, chunk=chunk,
-                           progress=advance)
-    if result.errors:
-        raise RuntimeError(f'{name}: got {result.errors}, expected no errors')
-    return [record for record in result.records if record is not None]
+    records = run_many(function, jobs, folder=chosen.records / name, workers=chosen.workers,
+                       block=block, progress=progress_bar(name))
+    errors = [record[ERROR] for record in records if ERROR in record]
+    if errors:
+        raise RuntimeError(f'{name}: got {errors}, expected no errors')
+    return records
 
 
 def random_jobs(cases: int, stressed: int) -> list[Job]:
@@ -123,10 +114,8 @@ def one(chosen: argparse.Namespace) -> None:
 def measure(chosen: argparse.Namespace) -> Results:
     """Run all parts; return ``Results``."""
     jobs = random_jobs(chosen.cases, chosen.stressed)
-    records = batch(push, jobs, 'pushes', chosen, len(STRESSES))
-    grid = [] if chosen.no_grid else controller_grid.cases(chosen.every)
-    return Results(jobs, records, grid, batch(controller_grid.push, grid, 'grid', chosen, 2),
-                   timings(chosen.timed), nodes(chosen))
+    records = run_jobs(push, jobs, 'pushes', chosen, len(STRESSES))
+    return Results(jobs, records, timings(chosen.timed), nodes(chosen))
 
 
 def main() -> int:

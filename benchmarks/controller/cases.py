@@ -15,10 +15,10 @@ from push_model.files import data
 from push_model.files.parameter_files import read_object, read_robot
 from push_model.geometry import FloatArray, Pose
 from push_model.parameters import PushedObject, RoundRobot, Support
-from push_planner.plan import Plan
 from push_planner.problem import PushProblem
 from push_planner.settings import PlannerSettings
-from push_planner.single_push.site_selection import choose_site
+from push_planner.steered.plan import Plan
+from push_planner.steered.site_selection import choose_site
 from push_scenario.definition.scenario import Placement, Scenario, Start
 from push_sim_node.sensors import SensorSettings
 from push_sim_node.simulation import SimulationSettings

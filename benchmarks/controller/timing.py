@@ -1,5 +1,5 @@
 """
-CPU time and cost of every law in the closed loop, against exact solutions of its problem.
+CPU time and cost of every law in the closed loop.
 
 The pushes are those of ``cases.py``, in one process; the first step of a push, which builds its
 tables, does not count.
@@ -10,31 +10,28 @@ import time
 from typing import Any, Callable, Literal, NamedTuple, Optional, Sequence
 
 from benchmarks.controller.cases import scenario, STRESSES, TIME_LIMIT
-from benchmarks.controller.converged import ConvergedLaw
 from benchmarks.controller.tables import spread, table, TO_DEGREES
 import numpy as np
-from push_control.laws.closed_form import ClosedFormLaw
-from push_control.laws.mpc import HorizonWeights, optimal_weights, PredictiveLaw
-from push_control.laws.steering_law import SolverReport, SteeringInput, SteeringLaw
-from push_control.observation import Observation
-from push_control.push.controller import Controller
-from push_control.push.status import Phase
 from push_control.settings import ControlSettings
+from push_control.steered.controller import Controller
+from push_control.steered.laws.closed_form import ClosedFormLaw
+from push_control.steered.laws.mpc import HorizonWeights, optimal_weights, PredictiveLaw
+from push_control.steered.laws.steering_law import SolverReport, SteeringInput, SteeringLaw
+from push_control.steered.status import Phase
 from push_model.geometry import distance, FloatArray
+from push_model.observation import Observation
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import Odometry
 from push_model.trajectory import PushTrajectory
 from push_planner.problem import PlanningFailed
-from push_planner.single_push.replanning import plan_from_measurements
+from push_planner.steered.replanning import plan_from_measurements
 from push_scenario.simulation.loop import make_simulation
 from push_sim_node.simulation import Simulation
 
-CONVERGED = 'converged ipopt'
-# Duration of plans above which a case is skipped [s]; chosen: the converged law takes long.
-LONGEST_TIMED = 25.0
+# Duration of plans above which a case is skipped [s]; chosen: longer ones add nothing.
+MAX_TIMED = 25.0
 STEERING: dict[str, Callable[[RoundRobot, ControlSettings], SteeringLaw]] = {
-    'feedback': lambda _, settings: ClosedFormLaw(settings), 'mpc': PredictiveLaw,
-    CONVERGED: ConvergedLaw}
+    'feedback': lambda _, settings: ClosedFormLaw(settings), 'mpc': PredictiveLaw}
 
 
 class Timed(NamedTuple):
@@ -128,7 +125,7 @@ def timed(kind: str, seed: int, name: str) -> Optional[Timed]:
     """
     try:
         case, plan = scenario(kind, seed, STRESSES[0])
-        if plan.trajectory.duration > LONGEST_TIMED:
+        if plan.trajectory.duration > MAX_TIMED:
             return None
         simulation = make_simulation(case)
         pose, odometry = simulation.next_measurement(), simulation.next_measurement()

@@ -34,8 +34,8 @@ from benchmarks.faults.verdict import (
 import numpy as np
 from push_model.geometry import FloatArray
 from push_model.signals import STOP
-from push_scenario.batch.workers import available_cores
 from push_scenario.definition.loader import load_scenario
+from push_scenario.parallel import available_cores
 from push_sim_node.tape import Tape
 
 REPORT = Path(__file__).parents[2] / 'docs' / 'control' / 'faults.md'

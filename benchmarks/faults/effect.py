@@ -20,8 +20,8 @@ from push_sim_node.tape import Tape
 
 # What the base does otherwise, from which on a fault has an effect: velocity [m/s], and distance
 # that it adds up to [m]; chosen: a third of the speed of pushes, and half of what may be driven.
-LEAST_SPEED = 0.05
-LEAST_DISTANCE = 0.02
+MIN_SPEED = 0.05
+MIN_DISTANCE = 0.02
 # Lever by which a rotation counts as a distance [m]; chosen: a radius of the robots.
 LEVER = 0.2
 
@@ -54,7 +54,7 @@ def effect_time(robot: RoundRobot, fault: Fault, tape: Tape, sent: Sequence[Sent
         expected = np.array(tracked[:3])
         difference = (measured - expected) * units
         gap += difference * (end - start)
-        if (np.abs(difference).max() > LEAST_SPEED or np.abs(gap).max() > LEAST_DISTANCE):
+        if (np.abs(difference).max() > MIN_SPEED or np.abs(gap).max() > MIN_DISTANCE):
             return float(end)
         if end >= fault.end:
             break

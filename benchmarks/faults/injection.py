@@ -128,7 +128,7 @@ SLOW_COUNT = 10
 PERIOD, GAP = 1.0, 0.4
 SLIP_RATIO = 0.5
 OUTLIER_RATIO, OUTLIER_DISTANCE = 0.1, 1.0
-LEAST_AGE, GREATEST_AGE = 0.24, 0.26
+MIN_AGE, MAX_AGE = 0.24, 0.26
 OTHER_OBJECT, OTHER_NOISE = Pose(0.6, 0.0, 0.3), 0.001
 NOISE = 0.02
 # What somebody else commands.
@@ -168,6 +168,11 @@ class Injection:
         # Odometry as it is and as it comes, where wheels slip.
         self._slipping: tuple[Odometry, Odometry] | None = None
         self._is_installed = False
+
+    @property
+    def end(self) -> float:
+        """When the fault is over [s]."""
+        return self._fault.end
 
     def __call__(self, simulation: Simulation, _: object) -> None:
         """
@@ -274,7 +279,7 @@ class Injection:
         if word in POSE_WORDS:
             return measured._replace(pose=self._spoilt_pose(measured.pose))
         if self._is_aged:
-            self._late.append((measured.time + self._rng.uniform(LEAST_AGE, GREATEST_AGE),
+            self._late.append((measured.time + self._rng.uniform(MIN_AGE, MAX_AGE),
                                measured))
             return None
         if word is Word.DELAYED:

@@ -25,7 +25,7 @@ from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.settings import MapSettings
 from push_planner.problem import PlanningFailed
 from push_planner.ros.parameters import PlannerParameters
-from push_planner.ros.sequence_planner import SequenceRequestHandler
+from push_planner.ros.task_requests import TaskRequestHandler
 from push_ros.conversions.map import to_map_message
 from push_ros.conversions.measurements import to_object_pose_message, to_odometry_message
 from push_ros.conversions.plan import no_plan_message, to_plan_message
@@ -35,8 +35,7 @@ from push_ros.conversions.primitives import (
 from push_ros.executor import take_message
 from push_ros.topics import CONTROLLER, TOPICS
 from push_scenario.dds.parameter_files import write_parameter_files
-from push_scenario.dds.processes import private_domain
-from push_scenario.dds.replay_client import local_discovery
+from push_scenario.dds.private_network import private_domain
 from push_scenario.definition.scenario import Scenario
 from push_scenario.simulation.loop import make_simulation
 from push_scenario.simulation.start import place_robot
@@ -110,10 +109,9 @@ def run_node(scenario: Scenario, fault: Fault, time_limit: float, seed: int = 0)
 
 @contextlib.contextmanager
 def _controller(parameters: Path, domain: int) -> Generator[ControllerNode, None, None]:
-    with local_discovery():
-        rclpy.init(args=['--ros-args', '--params-file', str(parameters), '--log-level', 'FATAL',
-                         '-p', 'wait_for_start:=false', '-p', 'use_sim_time:=false'],
-                   domain_id=domain)
+    rclpy.init(args=['--ros-args', '--params-file', str(parameters), '--log-level', 'FATAL',
+                     '-p', 'wait_for_start:=false', '-p', 'use_sim_time:=false'],
+               domain_id=domain)
     controller = ControllerNode()
     try:
         controller.start()
@@ -139,9 +137,9 @@ class _Rig:
         task = scenario.task
         if task is None:
             raise ValueError(f'{scenario.name}: got no task, expected one')
-        self._planner = SequenceRequestHandler(PlannerParameters(
-            scenario.object, scenario.robot, scenario.planner, task.drive, task.planning,
-            MapSettings()), FRAME)
+        self._planner = TaskRequestHandler(PlannerParameters(
+            scenario.object, scenario.robot, scenario.planner, task.drive, MapSettings()),
+            FRAME)
         self._node = rclpy.create_node('faults')
         self._executor = SingleThreadedExecutor()
         self._executor.add_node(controller)
@@ -301,9 +299,10 @@ class _Rig:
             return to_plan_message(_moved(trajectory, OFFSET), stamp, FRAME)
         message = to_plan_message(trajectory, stamp, FRAME)
         if word is Word.GARBAGE:
+            column = list(message.joint_names).index('object.x')
             for point in message.points:
-                point.transforms[0].translation.x = float(self._rng.uniform(-1e9, 1e9))
-                point.velocities[0].linear.x = math.nan
+                point.positions[column] = float(self._rng.uniform(-1e9, 1e9))
+                point.velocities[column] = math.nan
         return message
 
     def _publish_due(self) -> None:

@@ -28,7 +28,8 @@ from push_ros.diagnostics import ERROR, status_values
 from push_ros.node_settings import Frames
 from push_ros.topics import CONTROLLER, PLANNER, SIM
 from push_scenario.dds.parameter_files import write_parameter_files
-from push_scenario.dds.processes import NodeProcesses, private_domain
+from push_scenario.dds.private_network import private_domain
+from push_scenario.dds.processes import NodeProcesses
 from push_scenario.dds.replay import MODULES
 from push_scenario.dds.replay_client import ReplayClient, ReplayFailed
 from push_scenario.definition.loader import load_scenario
@@ -195,7 +196,7 @@ class ProcessRig:
         :param fault: the ``ProcessFault``.
         """
         monitor = self._monitor
-        self._wait(lambda: monitor.nodes >= MODULES.keys() and self._client.is_connected()
+        self._wait(lambda: monitor.nodes >= MODULES.keys() and not self._client.missing()
                    and time.monotonic() - monitor.odometry_at < 1.0, START_TIMEOUT)
         self._begin(fault.state)
         monitor.watch()
@@ -265,7 +266,7 @@ class ProcessRig:
             self._client.pump()
 
     def _wait(self, condition: Callable[[], bool], timeout: float) -> None:
-        self._client.wait_for(condition, timeout, 'the nodes')
+        self._client.wait_for(lambda: [] if condition() else ['the nodes'], timeout)
 
 
 @contextlib.contextmanager

@@ -18,12 +18,12 @@ from benchmarks.faults.row import append_line, Ending, read_lines
 from benchmarks.faults.verdict import (
     is_truly_done, offset_of, Record, simulated_record, stands,
 )
-from benchmarks.progress_bar import progress
 from benchmarks.tasks.cases import draw as draw_task, KINDS, OPEN
 import numpy as np
 from push_scenario.definition.catalogue import scenario_names
 from push_scenario.definition.loader import load_scenario
 from push_scenario.definition.scenario import Scenario
+from tqdm import tqdm
 
 # Scenarios in which nothing is driven, and one whose plans in a large map take longest.
 LEFT_OUT = 'unreachable_goal', 'task_flat'
@@ -31,7 +31,7 @@ LEFT_OUT = 'unreachable_goal', 'task_flat'
 TASK_RATIO = 0.4
 # Faults of a run, at most; their lengths, evenly in logarithms [s]; when they begin [s], before
 # most scenarios end.
-MOST_FAULTS = 3
+MAX_FAULTS = 3
 SHORTEST, LONGEST = 0.1, 5.0
 LATEST = 15.0
 # Simulated time after the last fault in which a run has to end [s]; chosen: more than twice what
@@ -110,7 +110,7 @@ def draw_case(seed: int, number: int) -> RandomCase:
         kinds = KINDS[OPEN]
         task = f'{kinds[rng.integers(len(kinds))]}:{rng.integers(TASK_SEEDS)}'
     faults: list[Fault] = []
-    for _ in range(rng.integers(1, MOST_FAULTS + 1)):
+    for _ in range(rng.integers(1, MAX_FAULTS + 1)):
         kind = SIMULATED[rng.integers(len(SIMULATED))]
         words = words_of(kind)
         start = round(float(rng.uniform(0.1, LATEST)), 2)
@@ -177,8 +177,8 @@ def run_many(seed: int, count: int, path: Path, jobs: int) -> list[RandomRow]:
     left = [case for case in cases if case not in known]
     pool = futures.ProcessPoolExecutor(jobs, multiprocessing.get_context('spawn'))
     try:
-        for future in progress([pool.submit(run_random, case) for case in left],
-                               'random faults'):
+        for future in tqdm([pool.submit(run_random, case) for case in left],
+                           'random faults'):
             row = future.result()
             append_random_row(path, row)
             known[row.case] = row

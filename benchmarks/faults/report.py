@@ -105,7 +105,7 @@ def process_table(rows: Sequence[ProcessRow]) -> str:
 
 def table(rows: Sequence[Row]) -> str:
     """
-    Sum up runs by input, word and duration.
+    Sum up the runs of each fault after which not every run was done.
 
     :param rows: ``Row`` of each run.
     :return: Markdown.
@@ -116,7 +116,7 @@ def table(rows: Sequence[Row]) -> str:
             for is_temporary in (True, False):
                 found = [row for row in rows if row.fault.input is kind and row.fault.word is word
                          and row.fault.is_temporary is is_temporary]
-                if found:
+                if any(row.ending is not Ending.DONE or not row.is_explained for row in found):
                     duration = '2 s' if is_temporary else 'lasting'
                     lines.append(_line(found, f'{kind.value} {word.value}, {duration}'))
     return '\n'.join(lines)

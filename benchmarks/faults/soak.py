@@ -14,7 +14,6 @@ from typing import NamedTuple
 
 from benchmarks.faults.row import append_line, read_lines
 from benchmarks.nodes import cpu_time
-from benchmarks.progress_bar import progress
 from diagnostic_msgs.msg import DiagnosticArray
 import numpy as np
 from push_control.task.status import TaskState
@@ -24,13 +23,15 @@ from push_ros.diagnostics import status_values
 from push_ros.node_settings import Frames
 from push_ros.topics import CONTROLLER, SIM, TOPICS
 from push_scenario.dds.parameter_files import write_parameter_files
-from push_scenario.dds.processes import NodeProcesses, private_domain
+from push_scenario.dds.private_network import private_domain
+from push_scenario.dds.processes import NodeProcesses
 from push_scenario.dds.recorder import stamp_of
 from push_scenario.dds.replay import MODULES
 from push_scenario.dds.replay_client import ReplayClient
 from push_scenario.definition.loader import load_scenario
 from push_scenario.simulation.start import place_robot
 from rclpy.serialization import deserialize_message
+from tqdm import tqdm
 import yaml
 
 SCENARIO = 'task_tap'
@@ -129,12 +130,12 @@ def run_soak(count: int, path: Path, seed: int = 1) -> None:
             _let_time_run(files[SIM])
             for node, parameters in files.items():
                 nodes.start(node, MODULES[node], parameters)
-            client.wait_for(lambda: client.is_connected() and monitor.nodes >= MODULES.keys(),
-                            TIMEOUT, 'the nodes to start')
+            client.wait_for(lambda: [*client.missing(), *sorted(MODULES.keys() - monitor.nodes)],
+                            TIMEOUT)
             client.send_goal(Pose(*goals[first].tolist()), Frames().world_frame)
             client.call('controller/start', TIMEOUT)
             client.call('sim/start', TIMEOUT)
-            for goal in progress(goals[first:].tolist(), 'soak'):
+            for goal in tqdm(goals[first:].tolist(), desc='soak'):
                 task = _do_task(Pose(*goal), client, monitor, nodes)
                 append_task(path, task._replace(first=first))
             nodes.stop_all()
@@ -156,8 +157,9 @@ def _do_task(goal: Pose, client: ReplayClient, monitor: _Monitor,
     start, began = max(monitor.time, monitor.since), time.monotonic()
     before = {name: cpu_time(nodes.pid(name)) for name in nodes.names}
     client.send_goal(goal, Frames().world_frame)
-    client.wait_for(lambda: monitor.state.is_final and monitor.since > start, TIMEOUT,
-                    'the end of a task')
+    end = ['the end of a task']
+    client.wait_for(lambda: [] if monitor.state.is_final and monitor.since > start else end,
+                    TIMEOUT)
     return SoakTask(
         monitor.state is TaskState.DONE, monitor.reason, monitor.since - start,
         time.monotonic() - began,

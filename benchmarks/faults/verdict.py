@@ -10,7 +10,6 @@ from benchmarks.faults.injection import (
 )
 from benchmarks.faults.row import Ending
 import numpy as np
-from push_control.push.controller import Controller
 from push_control.task.supervisor import Supervisor
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.signals import STOP
@@ -71,24 +70,28 @@ def simulated_record(scenario: Scenario, injections: Sequence[Injection],
     """
     Simulate a scenario with faults, in one process.
 
+    A robot that waits for somebody, as its base was stopped, is let go on after all faults.
+
     :param scenario: the ``Scenario``.
     :param injections: an ``Injection`` for each fault, at least one.
     :param time_limit: simulated time in which the run has to end [s].
     :return: ``Simulated``.
     :raises ValueError: where the scenario has no plan to begin with.
     """
-    reasons = ['']
+    reasons, end = [''], max(injection.end for injection in injections)
 
-    def intervene(simulation: Simulation, controller: Controller | Supervisor) -> None:
+    def intervene(simulation: Simulation, supervisor: Supervisor) -> None:
         for injection in injections:
-            injection(simulation, controller)
-        reasons[0] = controller.status.reason
+            injection(simulation, supervisor)
+        reasons[0] = supervisor.status.reason
+        if simulation.time > end and supervisor.awaits_resume:
+            supervisor.resume()
     result = simulate(dataclasses.replace(scenario, time_limit=time_limit), intervene=intervene,
                       planning_time=PLANNING_TIME)
     if result.tape is None:
         raise ValueError(f'{scenario.name}: {result.reason}')
     has_ended = result.outcome is not Outcome.TIME_LIMIT
-    plans = [plan.trajectory for plan in result.sequence_plans]
+    plans = [plan.trajectory for plan in result.task_plans]
     # What the robot sends goes through the injection that was put in last, at first.
     record = Record(scenario, result.tape, plans if result.plan is None else [result.plan],
                     injections[-1].sent)

@@ -17,8 +17,8 @@ import numpy as np
 from push_model.plan_request import PlanRequest
 from push_navigation.settings import DriveSettings
 from push_planner.problem import PlanningFailed
-from push_planner.sequence.planner import plan_for_request
-from push_planner.settings import PlannerSettings, TaskSettings
+from push_planner.settings import PlannerSettings
+from push_planner.task_planner import plan_for_request
 from push_scenario.simulation.loop import simulate
 from push_scenario.simulation.result import Outcome
 from tqdm import tqdm
@@ -71,13 +71,13 @@ def measure(name: str, instances: Sequence[Instance], *, width: float = 0.0,
         begin = time.process_time()
         try:
             plan = plan_for_request(request, instance.robot, PlannerSettings(), DriveSettings(),
-                                    TaskSettings(), instance.occupancy_map)
+                                    instance.occupancy_map)
         except PlanningFailed:
             plan = None
         row.seconds.append(time.process_time() - begin)
         row.found.append(plan is not None)
         if plan is not None:
-            row.pushes.append(1 + (0 if plan.kept is None else len(plan.kept.pushes)))
+            row.pushes.append(1 + (0 if plan.remaining is None else len(plan.remaining.pushes)))
         if drives:
             row.done.append(simulate(instance.scenario).outcome is Outcome.DONE)
     return row

@@ -1,10 +1,9 @@
 """
 Benchmark of the planner: goals reached, CPU time, and distance from the best known plans.
 
-scipy simulates every plan in open loop; the method of the thesis runs on the same goals. Takes
-some minutes, ``--quick`` less than one. Ctrl-C ends the current part; the report has what was
-done until then. Prints Markdown, and writes it with a figure to a directory if one is given
-(``--out docs/planner``).
+scipy simulates every plan in open loop. Takes some minutes, ``--quick`` less than one. Ctrl-C ends
+the current part; the report has what was done until then. Prints Markdown, and writes it with a
+figure to a directory if one is given (``--out docs/planner``).
 """
 
 import argparse
@@ -17,17 +16,15 @@ from typing import Callable, Optional, Sequence
 
 from benchmarks.planner.goals import families, mid_face, ProblemMaker, problems
 from benchmarks.planner.measure import Answer, collect, measure, whole_plan
-from benchmarks.planner.nlp_solvers import compare_solvers, Quality, quality
+from benchmarks.planner.random_starts import Quality, quality
 from benchmarks.planner.report import picture, text
 from benchmarks.planner.results import Results, WarmStart
-from benchmarks.planner.shooting import shoot, Shot
 from benchmarks.planner.sites import choices, KINDS
-from benchmarks.planner.vehicle_bound import BoundComparison
 import numpy as np
 from push_model.geometry import Pose, wrap_angle
-from push_planner.plan import Plan
 from push_planner.problem import InitialMotion, PlanningFailed, PushProblem
-from push_planner.single_push.continuation import ROUTE
+from push_planner.steered.continuation import ROUTE
+from push_planner.steered.plan import Plan
 
 DESCRIPTION = 'Benchmark of the planner: goals reached, CPU time, quality of plans.'
 SQUARE = 'square, mid-face, holonomic'
@@ -64,13 +61,6 @@ def first_plan() -> float:
     began = time.process_time()
     _quietly(problems(mid_face, 1, WARM_SEED)[0])
     return time.process_time() - began
-
-
-def shots(answers: Sequence[Answer], segments: int) -> list[tuple[Answer, Shot]]:
-    """Plan by single shooting for the goals that were solved."""
-    return collect([answer for answer in answers if not answer.fault],
-                   f'single shooting, {segments} segments',
-                   lambda answer: (answer, shoot(answer.problem, segments)))
 
 
 def warm_starts(answers: Sequence[Answer]) -> dict[str, list[WarmStart]]:
@@ -126,26 +116,18 @@ def options() -> argparse.Namespace:
     parser.add_argument('--goals', type=int, default=500, help='random goals of the square')
     parser.add_argument('--others', type=int, default=100, help='pushes of every other kind')
     parser.add_argument('--warm', type=int, default=30, help='plans of each kind before')
-    parser.add_argument('--shots', type=int, default=20, help='goals for single shooting')
-    parser.add_argument('--fine', type=int, default=5,
-                        help='goals for single shooting with 24 segments')
     parser.add_argument('--quality', type=int, default=100,
                         help='pushes of squares, and as many of random boxes, compared with '
                              'random starts')
     parser.add_argument('--starts', type=int, default=64, help='random starts of each')
-    parser.add_argument('--bounded', type=int, default=100,
-                        help='pushes of each compared with the vehicle bound')
     parser.add_argument('--sites', type=int, default=30, help='goals for the choice of a site')
-    parser.add_argument('--solvers', type=int, default=20, help='goals for each solver')
-    parser.add_argument('--compiled', action='store_true',
-                        help='compile an NLP for the comparison of solvers: minutes')
+    parser.add_argument('--growing', type=int, default=20, help='goals for each size')
     parser.add_argument('--quick', action='store_true', help='few of everything')
     parser.add_argument('--out', type=Path, help='directory for planner.md and planner.png')
     chosen = parser.parse_args()
     if chosen.quick:
-        chosen.goals, chosen.others, chosen.warm, chosen.shots, chosen.fine = 20, 4, 3, 3, 0
-        chosen.quality, chosen.bounded, chosen.starts, chosen.solvers = 2, 2, 8, 3
-        chosen.sites = 3
+        chosen.goals, chosen.others, chosen.warm, chosen.growing = 20, 4, 3, 3
+        chosen.quality, chosen.starts, chosen.sites = 2, 8, 3
     return chosen
 
 
@@ -157,11 +139,7 @@ def measure_all(chosen: argparse.Namespace) -> Results:
         kinds[name] = family(name, make, chosen.others, chosen.warm)
     square, boxes = kinds[SQUARE], kinds['random boxes, face, holonomic']
     return Results(
-        kinds, first, [(count, shots(square[:tried], count))
-                       for count, tried in ((6, chosen.shots), (24, chosen.fine))],
-        warm_starts(square[:chosen.others]), quality_of(square, boxes, chosen),
-        bounded(square, boxes, chosen.bounded),
-        compare_solvers([answer.problem for answer in square[:chosen.solvers]], chosen.compiled),
+        kinds, first, warm_starts(square[:chosen.others]), quality_of(square, boxes, chosen),
         chosen.starts, {kind: choices(kind, chosen.sites, chosen.warm) for kind in KINDS},
         growth(chosen))
 
@@ -171,10 +149,10 @@ def growth(chosen: argparse.Namespace) -> list[tuple[str, int, list[float]]]:
     found: list[tuple[str, int, list[float]]] = []
     for count in SEGMENT_COUNTS:
         make = functools.partial(mid_face, speeds=SLOW_SPEEDS, segments=count, segment_length=20.0)
-        answers = family(f'{count} segments', make, chosen.solvers, 3)
+        answers = family(f'{count} segments', make, chosen.growing, 3)
         found.append(('segments of a plan', count, [answer.cpu for answer in answers]))
     for faces in FACE_COUNTS:
-        sites = choices('holonomic', chosen.solvers, 3, faces)
+        sites = choices('holonomic', chosen.growing, 3, faces)
         found.append(('faces of an object, choosing a site', faces,
                       [choice.cpu for choice in sites if choice.found]))
     return found
@@ -186,14 +164,6 @@ def quality_of(square: Sequence[Answer], boxes: Sequence[Answer],
     return {name: collect([answer for answer in answers[:chosen.quality] if not answer.fault],
                           f'random starts, {name}',
                           lambda answer: quality(answer, chosen.starts))
-            for name, answers in (('squares', square), ('random boxes', boxes))}
-
-
-def bounded(square: Sequence[Answer], boxes: Sequence[Answer],
-            count: int) -> dict[str, list[tuple[float, float]]]:
-    """Compare plans on the ellipsoidal limit surface with the vehicle bound, by object."""
-    work = BoundComparison()
-    return {name: collect([answer.problem for answer in answers[:count]], f'bounds, {name}', work)
             for name, answers in (('squares', square), ('random boxes', boxes))}
 
 

@@ -16,8 +16,8 @@ from push_model.geometry import FloatArray, Pose, wrap_angle
 from push_model.quasi_static import quasi_static_yaw_rate
 from push_model.robot_kinematics import yaw_rate
 from push_model.trajectory import PushTrajectory
-from push_planner.plan import Plan
 from push_planner.problem import PushProblem
+from push_planner.steered.plan import Plan
 from scipy.integrate import solve_ivp
 
 # Lengths over the wheelbase, chosen: of sections, over which an error grows by exp(8) = 3000, and

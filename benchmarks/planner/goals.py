@@ -18,8 +18,9 @@ SPEEDS = (0.05, 0.1, 0.25, 0.5, 1.0)
 SIDE, MASS, FRICTION, SPREAD = 0.4, 2.0, 0.3, 0.4
 NEAREST, FARTHEST, MAX_PATH_LENGTH = 0.2, 5.0, 100.0
 # The limits of the drive are not what is measured here: only the cone may be active.
-LIMITS = {'max_speed': 5.0, 'max_yaw_rate': 50.0, 'max_acceleration': 100.0,
-          'max_yaw_acceleration': 1000.0}
+LIMITS: dict[str, Any] = {
+    'max_speed': 5.0, 'max_yaw_rate': 50.0, 'max_acceleration': 100.0,
+    'max_yaw_acceleration': 1000.0}
 # Fraction of the cone that must be left on either side of the direction to the friction centre.
 STEERING_RESERVE = 0.4
 # Where the contact rolls, goals are ends of random pushes: fraction of the cone that their forces

@@ -6,11 +6,11 @@ from typing import Callable, NamedTuple, Optional, Sequence, TypeVar
 
 from benchmarks.planner.check import Replay, replay
 from benchmarks.planner.goals import HEADING_TOLERANCE, POSITION_TOLERANCE
-from benchmarks.progress_bar import progress
 from push_model.geometry import distance
-from push_planner.plan import Plan
 from push_planner.problem import PlanningFailed, PushProblem
-from push_planner.single_push.planner import plan_push
+from push_planner.steered.plan import Plan
+from push_planner.steered.planner import plan_push
+from tqdm import tqdm
 
 Item = TypeVar('Item')
 Result = TypeVar('Result')
@@ -40,7 +40,7 @@ def collect(items: Sequence[Item], title: str, work: Callable[[Item], Result]) -
     """Work on the items with a progress bar until done or stopped; return the results so far."""
     done: list[Result] = []
     try:
-        for item in progress(items, title):
+        for item in tqdm(items, desc=title):
             done.append(work(item))
     except KeyboardInterrupt:
         print(f'\n{title}: stopped after {len(done)} of {len(items)}')

@@ -5,23 +5,19 @@ from typing import Any, Sequence
 
 from benchmarks.planner.goals import DIFFERENTIAL
 from benchmarks.planner.measure import Answer
-from benchmarks.planner.nlp_solvers import OWN
 from benchmarks.planner.results import Results
 from benchmarks.planner.tables import (
-    bound_table, faults, growth_table, kind_table, quality_table, shot_table, site_table,
-    solver_table, speed_table, table, warm_start_table,
+    faults, growth_table, kind_table, quality_table, site_table, speed_table, table,
+    warm_start_table,
 )
 from benchmarks.report_template import fill_template
 import numpy as np
 
 TEXT = Path(__file__).with_name('planner.md.in')
-# Aims that were set for the planner, as ratios of CPU times in one run: a whole plan over a
-# compiled solver alone; single shooting over a plan, by its segments; planning on over a first
+# Aims that were set for the planner, as ratios of CPU times in one run: planning on over a first
 # plan; a differential drive over the first kind of push, median and 95th percentile; and choosing
 # a site over one plan, median, 95th percentile, and where there is none. Of the cost above the
 # best of random starts [%]: 95th percentile and greatest.
-SOLVER_AIM = 2.0
-SHOT_AIMS = {6: 200.0, 24: 4000.0}
 PLANNING_ON_AIM = 0.1
 DIFFERENTIAL_AIMS = 3.0, 6.0
 SITE_AIMS = 4.0, 15.0, 15.0
@@ -36,7 +32,7 @@ def aim_table(results: Results) -> str:
     solved = 100.0 * np.mean([not answer.fault for answer in square])
     rows: list[AimRow] = [('goals of the square solved, %', 100, f'{solved:.1f}',
                            solved == 100.0)]
-    rows += _solver_rows(results) + _shot_rows(results) + _gap_rows(results)
+    rows += _gap_rows(results)
     plan = _median_cpu(square)
     for name, pairs in results.warm_starts.items():
         if pairs:
@@ -69,27 +65,6 @@ def _median_cpu(answers: Sequence[Answer]) -> float:
     return float(np.median([answer.cpu for answer in answers]))
 
 
-def _solver_rows(results: Results) -> list[AimRow]:
-    """Compare plans with solvers alone, on the same goals."""
-    plan = _median_cpu(next(iter(results.kinds.values())))
-    return [_at_most(f'whole plan over the solver alone: {run.name}', SOLVER_AIM,
-                     plan / float(np.median(run.cpu)))
-            for run in results.solvers if run.name in ('fatrop, compiled', OWN) and run.cpu]
-
-
-def _shot_rows(results: Results) -> list[AimRow]:
-    rows: list[AimRow] = []
-    for segments, answers in results.shots:
-        pairs = [pair for pair in answers if pair[1].solved]
-        if pairs:
-            ratio = float(np.median([shot.cpu for _, shot in pairs])
-                          / np.median([answer.cpu for answer, _ in pairs]))
-            aim = SHOT_AIMS[segments]
-            rows.append((f'times faster than single shooting, {segments} segments', aim,
-                         f'{ratio:.0f}', ratio >= aim))
-    return rows
-
-
 def _gap_rows(results: Results) -> list[AimRow]:
     rows: list[AimRow] = []
     for name, found in results.quality.items():
@@ -106,11 +81,9 @@ def text(results: Results) -> str:
     return fill_template(
         TEXT, COUNT=len(square), FIRST=f'{results.first:.1f}', AIMS=aim_table(results),
         SPEEDS=speed_table(square), KINDS=kind_table(results.kinds),
-        FAULTS=faults(results.kinds), SHOTS=shot_table(results.shots),
-        QUALITY=quality_table(results.quality), SOLVERS=solver_table(results.solvers),
+        FAULTS=faults(results.kinds), QUALITY=quality_table(results.quality),
         SITES=site_table(results.sites), GROWTH=growth_table(results.growth),
-        AGAIN=warm_start_table(results.warm_starts), STARTS=results.starts,
-        BOUNDS=bound_table(results.bounded))
+        AGAIN=warm_start_table(results.warm_starts), STARTS=results.starts)
 
 
 def picture(path: Path, results: Results) -> None:

@@ -3,8 +3,7 @@
 from typing import NamedTuple
 
 from benchmarks.planner.measure import Answer
-from benchmarks.planner.nlp_solvers import Quality, SolverRun
-from benchmarks.planner.shooting import Shot
+from benchmarks.planner.random_starts import Quality
 from benchmarks.planner.sites import Choice
 
 
@@ -30,11 +29,8 @@ class Results(NamedTuple):
 
     :param kinds: name -> ``Answer`` of each push.
     :param first: CPU time of the first plan [s].
-    :param shots: (segments, pairs of ``Answer`` and ``Shot``).
     :param warm_starts: what has changed -> per goal, ``WarmStart``.
     :param quality: name -> ``Quality`` of each push.
-    :param bounded: name -> (time over the vehicle bound, over the upper one) of each push.
-    :param solvers: ``SolverRun`` of each solver.
     :param starts: number of random starts.
     :param sites: name of a drive -> ``Choice`` of each goal.
     :param growth: (what, number, CPU times [s]).
@@ -42,11 +38,8 @@ class Results(NamedTuple):
 
     kinds: dict[str, list[Answer]]
     first: float
-    shots: list[tuple[int, list[tuple[Answer, Shot]]]]
     warm_starts: dict[str, list[WarmStart]]
     quality: dict[str, list[Quality]]
-    bounded: dict[str, list[tuple[float, float]]]
-    solvers: list[SolverRun]
     starts: int
     sites: dict[str, list[Choice]]
     growth: list[tuple[str, int, list[float]]]

@@ -19,7 +19,7 @@ from push_model.geometry import Pose
 from push_model.parameters import PushedObject, Support
 from push_planner.problem import PlanningFailed
 from push_planner.settings import PlannerSettings
-from push_planner.single_push.site_selection import choose_site
+from push_planner.steered.site_selection import choose_site
 
 BOX, ORIGIN = 'box_04', Pose(0.0, 0.0, 0.0)
 DESCRIPTION = 'CPU time of the choice of the contact site.'

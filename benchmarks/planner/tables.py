@@ -5,8 +5,7 @@ import math
 from typing import Any, Iterable, Mapping, Protocol, Sequence
 
 from benchmarks.planner.measure import Answer
-from benchmarks.planner.nlp_solvers import Quality, SolverRun
-from benchmarks.planner.shooting import Shot
+from benchmarks.planner.random_starts import Quality
 import numpy as np
 
 # Duration above the best of random starts that counts as small [%]; chosen.
@@ -101,25 +100,6 @@ def faults(kinds: dict[str, list[Answer]]) -> str:
     return '\n'.join(lines) or 'Nothing.'
 
 
-def shot_table(results: Sequence[tuple[int, list[tuple[Answer, Shot]]]]) -> str:
-    """Write single shooting against the planner on the same goals."""
-    rows: list[list[Any]] = []
-    for segments, pairs in results:
-        if not pairs:
-            continue
-        good = [(answer, shot) for answer, shot in pairs if shot.solved]
-        ours = [answer.cpu for answer, _ in good]
-        theirs = [shot.cpu for _, shot in good]
-        longer = [shot.path_length / answer.replay.path_length - 1.0 for answer, shot in good
-                  if answer.replay is not None]
-        rows.append([segments, f'{len(good)}/{len(pairs)}', *spread(theirs, '{:.0f}'),
-                     *spread(ours)[:1], *([f'{np.median(theirs) / np.median(ours):.0f}',
-                                           f'{100 * np.median(longer):.2f}',
-                                           f'{100 * max(longer):.1f}'] if good else [''] * 3)])
-    return table(['segments', 'solved', 'CPU ms median', 'p95', 'max', 'planner, median',
-                  'ratio of medians', 'longer than the plan by %, median', 'max'], rows)
-
-
 def warm_start_table(kinds: Mapping[str, Sequence[TwoPlans]]) -> str:
     """Write planning from nothing against planning on, by what has changed."""
     rows: list[list[Any]] = []
@@ -149,31 +129,6 @@ def quality_table(groups: dict[str, list[Quality]]) -> str:
                      sum(item.below_bound for item in found)])
     return table(['', 'pushes', 'above the best start by %, median', 'p95', 'max',
                   f'within {SMALL_GAP} %', 'starts that converged, mean', 'below the bound'], rows)
-
-
-def bound_table(groups: dict[str, list[tuple[float, float]]]) -> str:
-    """Write plans on the ellipsoidal limit surface against the bounds of the vehicle."""
-    rows: list[list[Any]] = []
-    for name, found in groups.items():
-        good = np.array([pair for pair in found if math.isfinite(pair[0])])
-        if len(good):
-            least, greatest = good.T
-            rows.append([name, f'{len(good)}/{len(found)}', f'{least.min():.4f}',
-                         f'{np.median(least):.3f}', sum(least < 1.0), f'{np.median(greatest):.4f}',
-                         f'{greatest.max():.4f}'])
-    return table(['', 'solved', 'time over the Dubins path of z, least', 'median', 'below 1',
-                  'time over following that path, median', 'greatest'], rows)
-
-
-def solver_table(rows: Sequence[SolverRun]) -> str:
-    """Write the solvers on the same NLPs."""
-    if not rows:
-        return 'Not measured.'
-    return table(['solver', 'solved', 'CPU ms median', 'p95', 'max', 'iterations, median',
-                  'cost above that of the plan by %, max'],
-                 [[run.name, f'{run.solved}/{run.tried}', *spread(run.cpu),
-                   f'{np.median(run.iterations):.0f}' if run.iterations else '',
-                   greatest(run.gaps, '{:.3f}', 100.0)] for run in rows])
 
 
 def site_table(kinds: Mapping[str, Sequence[SiteTimes]]) -> str:

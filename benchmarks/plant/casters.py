@@ -51,7 +51,7 @@ ROLLING_SMOOTHING = 3e-3
 SWIVEL_SMOOTHING = 0.05
 # Chosen: line following: length in which errors fade [m], limit of the angle [rad] and lag [s].
 FADING_LENGTH = 0.3
-MOST_ANGLE = 0.5
+MAX_ANGLE = 0.5
 ANGLE_LAG = 0.1
 CASTERS = {'none': (), 'rear': (0, 3), 'front': (1, 2), 'all': (0, 1, 2, 3)}
 SEEDS = 12
@@ -70,7 +70,7 @@ def follow_axis(_: float, state: FloatArray) -> float:
     ahead = state[Y] + (wheelbase - arm) * math.sin(state[THETA])
     curvature = -ahead / FADING_LENGTH ** 2 - 2.0 * state[THETA] / FADING_LENGTH
     angle = -math.atan(wheelbase * curvature)
-    return (min(MOST_ANGLE, max(-MOST_ANGLE, angle)) - state[RHO]) / ANGLE_LAG
+    return (min(MAX_ANGLE, max(-MAX_ANGLE, angle)) - state[RHO]) / ANGLE_LAG
 
 
 @dataclasses.dataclass(frozen=True)

@@ -13,9 +13,6 @@ from push_sim_node.plant import Plant
 from push_sim_node.truth import ContactMode
 
 ENGINES = {'default': DEFAULT, 'hard': HARD, 'tuned': TUNED}
-# Shift of the robot's start for the sensitivity [m]; chosen: well above rounding, well below what
-# changes the contact mode.
-SHIFT = 1e-4
 # Number of poses along a push; chosen for the figure.
 SAMPLES = 20
 
@@ -80,13 +77,9 @@ class Push:
         """Duration of the push [s], a multiple of 10 ms."""
         return round(self.distance / math.hypot(*self.speed), 2)
 
-    def robot_pose(self, shift: float = 0.0) -> Pose:
-        """
-        Return the pose of the robot that touches the object at rest in the origin.
-
-        :param shift: of the robot to the left [m].
-        """
-        offset, obj = self.offset + shift, self.object
+    def robot_pose(self) -> Pose:
+        """Return the pose of the robot that touches the object at rest in the origin."""
+        offset, obj = self.offset, self.object
         if obj.radius:
             return Pose(-math.sqrt((obj.radius + self.radius) ** 2 - offset ** 2), offset, 0.0)
         return Pose(min(x for x, _ in obj.outline) - self.radius, offset, 0.0)
@@ -171,17 +164,15 @@ RAISED = tuple(
     for height, center in ((0.05, 0.1), (0.1, 0.1), (0.2, 0.2)))
 
 
-def by_plant(push: Push, shift: float = 0.0,
-             step: float = 1e-3) -> tuple[list[Pose], set[ContactMode]]:
+def by_plant(push: Push, step: float = 1e-3) -> tuple[list[Pose], set[ContactMode]]:
     """
     Push in the plant.
 
     :param push: ``Push``.
-    :param shift: of the robot at the start [m].
     :param step: longest step [s].
     :return: poses of the object at equal times (list of ``Pose``), set of the contact modes.
     """
-    plant = Plant(push.object, push.robot, ORIGIN, push.robot_pose(shift), step)
+    plant = Plant(push.object, push.robot, ORIGIN, push.robot_pose(), step)
     poses: list[Pose] = []
     modes: set[ContactMode] = set()
     for _ in range(SAMPLES):
@@ -212,10 +203,3 @@ def pose_difference(one: Pose, other: Pose) -> PoseDifference:
     """Return the difference of two poses."""
     return PoseDifference(math.hypot(one.x - other.x, one.y - other.y),
                           abs(wrap_angle(one.theta - other.theta)))
-
-
-def sensitivity(push: Push) -> float:
-    """Return the displacement of the final position over the shift of the start."""
-    shifted, _ = by_plant(push, SHIFT)
-    poses, _ = by_plant(push)
-    return pose_difference(poses[-1], shifted[-1]).distance / SHIFT

@@ -226,3 +226,10 @@ class MujocoPlant:
         """Pose of the robot in the world."""
         x, y, theta = self.data.qpos[7:10].tolist()
         return Pose(x, y, theta)
+
+    @property
+    def force_on_robot(self) -> tuple[float, float]:
+        """Force of the object on the robot (x, y) in the last step, world axes [N]."""
+        # Of all constraints only the contact with the object acts on the joints of the robot.
+        x, y = self.data.qfrc_constraint[6:8].tolist()
+        return x, y

@@ -8,12 +8,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 import numpy as np
-from push_model.analysis.pushing_location import PushingLocation
-from push_model.analysis.stability import equilibria, tolerances
 from push_model.contact import contact_point
 from push_model.friction import friction_center
 from push_model.parameters import Contact, PushedObject, Support
 from push_model.quasi_static import compare_yaw_rates, quasi_static_yaw_rate, vehicle
+from studies.analysis.pushing_location import PushingLocation
+from studies.analysis.stability import equilibria, tolerances
 
 OUT = Path(__file__).resolve().parents[2] / 'docs' / 'physics'
 BLUE, ORANGE, GREEN, GREY, INK = '#0B3C8C', '#C96A00', '#007A5E', '#8A8A8A', '#202020'

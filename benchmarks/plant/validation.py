@@ -9,21 +9,19 @@ import dataclasses
 import math
 from pathlib import Path
 import statistics
-from typing import Iterator, NamedTuple, Sequence
+from typing import Iterator, Sequence
 
 from benchmarks.plant.comparison import (
     by_mujoco, by_plant, ENGINES, ORIGIN, pose_difference, PoseDifference, Push, PUSHES, RAISED,
-    sensitivity,
 )
 from benchmarks.plant.mujoco_scene import Engine, TUNED
-from benchmarks.progress_bar import progress
 from benchmarks.report_template import fill_template
 import mujoco
 from push_model.contact import contact_point, find_contact
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject
 from push_model.quasi_static import quasi_static_yaw_rate
-from push_sim_node.truth import ContactMode
+from tqdm import tqdm
 
 DESCRIPTION = 'Write the comparison of the plant with MuJoCo: tables and a figure.'
 OUT = Path(__file__).resolve().parents[2] / 'docs' / 'validation'
@@ -35,50 +33,25 @@ SPEEDS = (0.8, 0.4, 0.2, 0.1, 0.05)
 TEXT = Path(__file__).with_name('mujoco.md.in')
 
 
-class Comparison(NamedTuple):
-    """
-    One push in the plant and in MuJoCo.
-
-    :param modes: contact modes that the plant met.
-    :param growth: displacement of the final position over a shift of the start.
-    :param differences: name of the settings of MuJoCo -> difference of the final poses.
-    """
-
-    modes: set[ContactMode]
-    growth: float
-    differences: dict[str, PoseDifference]
-
-
 def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """Write a Markdown table."""
     lines = [head, ['---'] * len(head), *rows]
     return '\n'.join('| ' + ' | '.join(line) + ' |' for line in lines)
 
 
-def compare(push: Push) -> Comparison:
-    """Run one push in the plant and in MuJoCo with all settings."""
-    poses, modes = by_plant(push)
-    differences = {name: pose_difference(by_mujoco(push, engine)[-1], poses[-1])
-                   for name, engine in ENGINES.items()}
-    return Comparison(modes, sensitivity(push), differences)
+def compare(push: Push) -> dict[str, PoseDifference]:
+    """Compare the end of a push in the plant with that in MuJoCo, by its settings."""
+    poses, _ = by_plant(push)
+    return {name: pose_difference(by_mujoco(push, engine)[-1], poses[-1])
+            for name, engine in ENGINES.items()}
 
 
-def row(number: int, push: Push, result: Comparison) -> list[str]:
-    """Write one push as a table row."""
-    speed = ', '.join(f'{v:g}' for v in push.speed) + (f', {push.spin:g}' if push.spin else '')
-    return [str(number), push.kind, f'{push.mass:g}', f'{push.friction:g}', f'{push.grip:g}',
-            f'{push.radius:g}', f'{1e3 * push.offset:g}', speed, f'{push.distance:g}',
-            ' '.join(sorted(mode.value for mode in result.modes)), f'{result.growth:.1f}',
-            *(f'{1e3 * distance:.2f} / {math.degrees(angle):.2f}'
-              for distance, angle in result.differences.values())]
-
-
-def spread(results: Sequence[Comparison]) -> str:
+def spread(results: Sequence[dict[str, PoseDifference]]) -> str:
     """Write median and maximum over the pushes, for each engine."""
     rows: list[list[str]] = []
     for name in ENGINES:
-        distances = [1e3 * result.differences[name].distance for result in results]
-        angles = [math.degrees(result.differences[name].angle) for result in results]
+        distances = [1e3 * result[name].distance for result in results]
+        angles = [math.degrees(result[name].angle) for result in results]
         rows.append([name, f'{statistics.median(distances):.2f}', f'{max(distances):.2f}',
                      f'{statistics.median(angles):.2f}', f'{max(angles):.2f}'])
     return table(['settings', 'median mm', 'max mm', 'median deg', 'max deg'], rows)
@@ -87,7 +60,7 @@ def spread(results: Sequence[Comparison]) -> str:
 def step_table() -> str:
     """Write median and maximum over the pushes for finer steps of the tuned engine."""
     rows: list[list[str]] = []
-    for step in progress(STEPS, 'steps'):
+    for step in tqdm(STEPS, desc='steps'):
         engine = dataclasses.replace(TUNED, step=step)
         distances = [1e3 * pose_difference(by_mujoco(push, engine)[-1],
                                            by_plant(push)[0][-1]).distance for push in PUSHES]
@@ -103,7 +76,7 @@ def speed_trend() -> list[tuple[float, PoseDifference]]:
     :return: (speed [m/s], difference with the tuned settings) of each push.
     """
     rows: list[tuple[float, PoseDifference]] = []
-    for speed in progress(SPEEDS, 'speeds'):
+    for speed in tqdm(SPEEDS, desc='speeds'):
         push = Push('uneven box', 3.0, 0.3, 0.6, 0.02, (speed, 0.0), distance=0.4)
         engine = dataclasses.replace(TUNED, step=5e-4)
         rows.append((speed, pose_difference(by_mujoco(push, engine)[-1],
@@ -119,7 +92,7 @@ def raised_table(pushes: Sequence[Push] = RAISED, engine: Engine = TUNED) -> str
     :param engine: settings of MuJoCo.
     """
     rows: list[list[str]] = []
-    for push in progress(pushes, 'above the floor'):
+    for push in tqdm(pushes, desc='above the floor'):
         flat = dataclasses.replace(push, contact_height=0.0, center_of_mass_height=0.0)
         plant, mujoco_ = ([run(one) for one in (flat, push)] for run in (
             lambda one: by_plant(one)[0][-1], lambda one: by_mujoco(one, engine)[-1]))
@@ -147,7 +120,7 @@ def picture(path: Path) -> None:
     from matplotlib.figure import Figure
     figure = Figure(figsize=(12, 7.2), layout='constrained')
     axes = figure.subplots(2, 3).ravel()
-    for axis, number in zip(axes, progress(PICTURED, 'picture')):
+    for axis, number in zip(axes, tqdm(PICTURED, desc='picture')):
         push = PUSHES[number]
         poses, _ = by_plant(push)
         courses = [('plant', poses, '#0b6e4f', '-', 3.5)]
@@ -173,15 +146,12 @@ def main() -> None:
     parser.add_argument('--out', type=Path, default=OUT, help='directory to write to')
     out = parser.parse_args().out
     out.mkdir(parents=True, exist_ok=True)
-    results = [compare(push) for push in progress(PUSHES, 'pushes')]
-    head = ['', 'object', 'm kg', 'mu', 'mu_c', 'R_p m', 'offset mm', 'speed m/s', 'distance m',
-            'contact', 'sensitivity', *(f'{name}: mm / deg' for name in ENGINES)]
-    pushes = table(head, [row(i, *pair) for i, pair in enumerate(zip(PUSHES, results), 1)])
+    results = [compare(push) for push in tqdm(PUSHES, desc='pushes')]
     speeds = table(['speed m/s', 'difference mm', 'deg'],
                    [[f'{speed:g}', f'{1e3 * distance:.2f}', f'{math.degrees(angle):.3f}']
                     for speed, (distance, angle) in speed_trend()])
     text = fill_template(TEXT, VERSION=mujoco.__version__, COUNT=len(PUSHES),
-                         SPREAD=spread(results), PUSHES=pushes, SPEEDS=speeds,
+                         SPREAD=spread(results), SPEEDS=speeds,
                          STEPS=step_table(), RAISED=raised_table())
     (out / 'mujoco.md').write_text(text, encoding='utf-8')
     picture(out / 'mujoco.png')

@@ -1,1 +1,1 @@
-"""How near to the limit simulation, control, replay, batches and starts are."""
+"""How near to the limit simulation, control, replay and starts are."""

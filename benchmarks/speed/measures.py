@@ -17,24 +17,21 @@ import time
 from typing import NamedTuple
 
 from benchmarks.controller.timing import timed
-from benchmarks.plant.batch import draw, PUSH
 from benchmarks.plant.mujoco_scene import MujocoPlant
 import numpy as np
+from push_model.files.data import config_file
 from push_model.geometry import Pose
 from push_model.plan_request import PlanRequest
 from push_model.signals import Twist
-from push_planner.primitive_push.planner import plan_primitive_push
-from push_scenario import load_scenario, run_pushes, simulate, simulate_cases
-from push_scenario.batch.case_arrays import CaseEncoder
+from push_planner.straight.planner import plan_straight_push
+from push_scenario import load_scenario, read_object, read_robot, simulate
 
 # Pushes whose controller steps are timed, kind and seed of ``benchmarks.controller.cases``;
-# chosen: of either drive, planned to take less than ``LONGEST_TIMED``.
+# chosen: of either drive, planned to take less than ``MAX_TIMED``.
 PUSHES = (('box, differential', 2), ('box, holonomic', 1))
 # Duration over which steps of MuJoCo are timed [s]; chosen: a push.
 MUJOCO_TIME = 2.0
 DEMO = 'task_demo'
-# Of so many cases of a batch the bare steps of one are timed; chosen: enough for 1 %.
-BARE_PART = 4
 # Plans after which memory is compared with that after the last one; chosen: all code is loaded.
 FIRST_PLANS = 10
 # Calls that run in processes of their own.
@@ -55,22 +52,6 @@ class ControlSpeed(NamedTuple):
 
     over_mujoco: float
     mpc_over_feedback: float
-
-
-class BatchSpeed(NamedTuple):
-    """
-    Speed of a batch of short pushes.
-
-    :param over_bare: steps per second of CPU time of one process over those of the compiled steps
-        alone.
-    :param two_over_one: wall time of one process over that of two, their start included.
-    :param two_over_one_idle: the same by CPU times, as if no other program ran: of one process
-        over that of the process that starts the two, and of one of these.
-    """
-
-    over_bare: float
-    two_over_one: float
-    two_over_one_idle: float
 
 
 def median(measure: Callable[[], float], count: int) -> float:
@@ -97,8 +78,10 @@ def control_speed() -> ControlSpeed:
 
 def mujoco_step() -> float:
     """Time a step of MuJoCo at its defaults, of a robot that pushes a box [s]."""
-    start = Pose(*PUSH.robot_pose)
-    plant = MujocoPlant(PUSH.object, PUSH.robot, Pose(0.0, 0.0, 0.0), start, steps_per_command=20)
+    obj = read_object(config_file('objects/box_04.yaml'))
+    robot = read_robot(config_file('robots/disc_017.yaml'))
+    start = Pose(min(x for x, _ in obj.outline) - robot.radius, 0.0, 0.0)
+    plant = MujocoPlant(obj, robot, Pose(0.0, 0.0, 0.0), start, steps_per_command=20)
     # The first command loads and compiles what commands of the drive take.
     plant.advance(plant.engine.step, Twist(0.1, 0.0, 0.0))
     began = time.process_time()
@@ -127,52 +110,6 @@ def replay_speed() -> float:
     if result.timing is None:
         raise RuntimeError(f'{DEMO}: got no timing, expected a run over DDS')
     return result.timing.speed_up
-
-
-def batch_speed(count: int) -> BatchSpeed:
-    """
-    Time a batch in one process and in two, and the compiled steps alone.
-
-    :param count: number of cases.
-    """
-    simulate_cases(PUSH, draw(np.random.default_rng(0), 1))
-    with tempfile.TemporaryDirectory() as folder:
-        one, two = (_timed_batch(count, Path(folder) / f'{workers}.npy', workers)
-                    for workers in (1, 2))
-    bare = bare_time(count // BARE_PART) * BARE_PART
-    return BatchSpeed(bare / one.cpu, one.wall / two.wall,
-                      one.cpu / (two.cpu + two.children_cpu / 2))
-
-
-class _Times(NamedTuple):
-    """Wall time, CPU time of this process, and that of those that it has started [s]."""
-
-    wall: float
-    cpu: float
-    children_cpu: float
-
-
-def _timed_batch(count: int, out: Path, workers: int) -> _Times:
-    """Time a batch of pushes, from the call to the end of its processes."""
-    before, began = os.times(), time.perf_counter()
-    run_pushes(PUSH, draw, count, out, workers=workers)
-    wall, after = time.perf_counter() - began, os.times()
-    return _Times(wall, after.user + after.system - before.user - before.system,
-                  after.children_user + after.children_system - before.children_user
-                  - before.children_system)
-
-
-def bare_time(count: int) -> float:
-    """
-    Measure the CPU time of the compiled steps of some cases, their arrays made before [s].
-
-    :param count: number of cases.
-    """
-    columns = PUSH.columns(draw(np.random.default_rng(1), count))
-    arrays = CaseEncoder(PUSH, columns).encode().arrays
-    began = time.process_time()
-    arrays.run(PUSH.step, PUSH.lost_gap)
-    return time.process_time() - began
 
 
 def process_time(words: Sequence[str]) -> float:
@@ -204,8 +141,8 @@ def memory_growth(plans: int) -> float:
     first = 0.0
     for number in range(plans):
         goal = Pose(*rng.uniform((0.3, -1.5, -3.0), (1.5, 1.5, 3.0)).tolist())
-        plan_primitive_push(PlanRequest(Pose(0.0, 0.0, 0.0), Pose(-1.0, 0.0, 0.0), goal,
-                                        scenario.object), scenario.robot, drive=task.drive)
+        plan_straight_push(PlanRequest(Pose(0.0, 0.0, 0.0), Pose(-1.0, 0.0, 0.0), goal,
+                                       scenario.object), scenario.robot, drive=task.drive)
         if number + 1 == FIRST_PLANS:
             first = resident_memory()
     return resident_memory() / first

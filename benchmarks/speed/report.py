@@ -10,7 +10,7 @@ from benchmarks.report_template import fill_template
 from benchmarks.speed import growth, measures
 from benchmarks.speed.measures import median
 
-DESCRIPTION = 'How near to the limit simulation, control, replay, batches and starts are.'
+DESCRIPTION = 'How near to the limit simulation, control, replay and starts are.'
 TEMPLATE = Path(__file__).parent / 'performance.md.in'
 
 
@@ -65,16 +65,6 @@ def replay_rows(repeat: int) -> list[Row]:
                 median(measures.replay_speed, repeat), '', True)]
 
 
-def batch_rows(repeat: int, count: int = 10_000) -> list[Row]:
-    """Measure a batch of short pushes."""
-    found = [measures.batch_speed(count) for _ in range(repeat)]
-    bare, scaling, idle = (sorted(column)[repeat // 2] for column in zip(*found))
-    return [Row(f'batch of {count} pushes of 400 steps: steps per second over those of the '
-                'compiled step alone, CPU', 0.9, bare, '', True),
-            Row('the same: two processes over one, their start included', 1.9, scaling, '', True),
-            Row('the same by CPU time, as two idle cores would', 1.9, idle, '', True)]
-
-
 def start_rows(repeat: int) -> list[Row]:
     """Measure what starts cost, beyond that of Python itself."""
     rows: list[Row] = []
@@ -96,9 +86,8 @@ def memory_rows(repeat: int, plans: int = 300) -> list[Row]:
                 f'{measures.FIRST_PLANS}', 1.02, measures.memory_growth(plans))]
 
 
-# The replay comes last: with ROS in this process batches would start their processes anew.
 PARTS: dict[str, Callable[[int], list[Row]]] = {
-    'control': control_rows, 'task': task_rows, 'batch': batch_rows, 'start': start_rows,
+    'control': control_rows, 'task': task_rows, 'start': start_rows,
     'memory': memory_rows, 'replay': replay_rows}
 # The part that has a table of its own.
 GROWTH = 'growth'

@@ -1,4 +1,4 @@
-"""Aims that were set for tasks, beside what each method reaches."""
+"""Aims that were set for tasks, beside what is reached."""
 
 from typing import Any, Callable, NamedTuple, Optional, Sequence
 
@@ -50,7 +50,7 @@ class Figure(NamedTuple):
 
 
 NOT_MEASURED = Figure('-')
-Measure = Callable[[Sequence[Pair], str], Figure]
+Measure = Callable[[Sequence[Pair]], Figure]
 
 
 class Aim(NamedTuple):
@@ -59,7 +59,7 @@ class Aim(NamedTuple):
 
     :param title: what is measured.
     :param text: the aim as text.
-    :param measure: gives the ``Figure`` of a method from the (job, record) of all tasks.
+    :param measure: gives the ``Figure`` from the (job, record) of all tasks.
     """
 
     title: str
@@ -67,19 +67,18 @@ class Aim(NamedTuple):
     measure: Measure
 
 
-def aim_table(pairs: Sequence[Pair], methods: Sequence[str]) -> str:
+def aim_table(pairs: Sequence[Pair]) -> str:
     """
     Write every aim beside what was measured; what falls short is bold.
 
     :param pairs: (job, record) of all tasks.
-    :param methods: a column for each.
     """
     rows: list[Sequence[Any]] = []
     for aim in aims():
-        figures = [aim.measure(pairs, method) for method in methods]
-        rows.append((aim.title, aim.text, *(
-            figure.text if figure.is_met else f'**{figure.text}**' for figure in figures)))
-    return table(['', 'aim', *methods], rows)
+        figure = aim.measure(pairs)
+        rows.append((aim.title, aim.text,
+                     figure.text if figure.is_met else f'**{figure.text}**'))
+    return table(['', 'aim', 'measured'], rows)
 
 
 def aims() -> list[Aim]:
@@ -114,8 +113,8 @@ def _success_text(part: str) -> str:
 
 
 def _success(part: str) -> Measure:
-    def measure(pairs: Sequence[Pair], method: str) -> Figure:
-        for group in grouped(pairs, part, method):
+    def measure(pairs: Sequence[Pair]) -> Figure:
+        for group in grouped(pairs, part):
             times = group.values('duration')
             median = float(np.median(times)) if len(times) else np.inf
             enough = 100.0 * group.successes >= SUCCESS_AIMS[part] * len(group.tasks)
@@ -135,8 +134,8 @@ def _rate(group: Group) -> str:
 def _quantiles(part: str, values: Callable[[Group], FloatArray], limits: Sequence[float],
                form: str, of_drive: Optional[str] = None) -> Measure:
     """Measure the median, and the 95 % quantile where there are two limits."""
-    def measure(pairs: Sequence[Pair], method: str) -> Figure:
-        for group in grouped(pairs, part, method, drive if of_drive else None):
+    def measure(pairs: Sequence[Pair]) -> Figure:
+        for group in grouped(pairs, part, drive if of_drive else None):
             found = values(group)
             if (of_drive in (None, group.name)) and len(found):
                 quantiles = np.percentile(found, (50, 95))[:len(limits)]
@@ -162,8 +161,8 @@ def _over(other: str) -> Callable[[Group], FloatArray]:
     return lambda group: group.ratios('duration', other)
 
 
-def _below_bound(pairs: Sequence[Pair], method: str) -> Figure:
-    for group in grouped(pairs, OPEN, method):
+def _below_bound(pairs: Sequence[Pair]) -> Figure:
+    for group in grouped(pairs, OPEN):
         ratios = group.ratios('duration', 'least')
         if len(ratios):
             below = int((ratios < 1.0).sum())
@@ -171,8 +170,8 @@ def _below_bound(pairs: Sequence[Pair], method: str) -> Figure:
     return NOT_MEASURED
 
 
-def _collisions(pairs: Sequence[Pair], method: str) -> Figure:
-    groups = [group for part in (IN_MAPS, FLATS) for group in grouped(pairs, part, method)[:1]]
+def _collisions(pairs: Sequence[Pair]) -> Figure:
+    groups = [group for part in (IN_MAPS, FLATS) for group in grouped(pairs, part)[:1]]
     if not groups:
         return NOT_MEASURED
     hits = sum(int((group.values(f'{body}_clearance', successful=False) < 0.0).sum())
@@ -180,8 +179,8 @@ def _collisions(pairs: Sequence[Pair], method: str) -> Figure:
     return Figure(str(hits), hits == 0)
 
 
-def _falsely_done(pairs: Sequence[Pair], method: str) -> Figure:
-    groups = [group for part in PARTS for group in grouped(pairs, part, method)]
+def _falsely_done(pairs: Sequence[Pair]) -> Figure:
+    groups = [group for part in PARTS for group in grouped(pairs, part)]
     if not groups:
         return NOT_MEASURED
     count = sum(group.falsely_done for group in groups)
@@ -189,8 +188,8 @@ def _falsely_done(pairs: Sequence[Pair], method: str) -> Figure:
 
 
 def _strict(tolerance: str) -> Measure:
-    def measure(pairs: Sequence[Pair], method: str) -> Figure:
-        for group in grouped(pairs, STRICT, method, variety):
+    def measure(pairs: Sequence[Pair]) -> Figure:
+        for group in grouped(pairs, STRICT, variety):
             if group.name == tolerance:
                 times = group.values('duration')
                 median = f', {np.median(times):.0f} s' if len(times) else ''

@@ -1,8 +1,8 @@
 """
 Benchmark of tasks: how many random goals are reached, how soon, with how many pushes.
 
-Tasks on open floor, in maps, disturbed, and variations of those on open floor (see ``cases.py``),
-planned by every method. Takes hours on two cores, ``--quick`` some minutes. Records are
+Tasks on open floor, in maps, disturbed, and variations of those on open floor (see ``cases.py``).
+Takes hours on two cores, ``--quick`` some minutes. Records are
 stored in ``--records`` as tasks finish, and the same command resumes after Ctrl-C. ``--seed`` runs
 one task and prints what happened.
 """
@@ -13,18 +13,15 @@ from pathlib import Path
 import sys
 
 from benchmarks.controller.tables import Job, Record
-from benchmarks.task_page import write_page
 from benchmarks.tasks.cases import (
-    FLATS, IN_MAPS, jobs, KINDS, METHODS, OPEN, PARTS, STRICT,
+    draw, FLATS, IN_MAPS, jobs, KINDS, OPEN, PARTS, STRICT,
 )
 from benchmarks.tasks.picture import picture
 from benchmarks.tasks.reference import refer
 from benchmarks.tasks.report import text
-from benchmarks.tasks.run import disturbed, drawn, run, run_case
-from push_scenario.batch.batch import run_batch
-from push_scenario.batch.chunks import JobFunction
+from benchmarks.tasks.run import disturbed, run, run_case
 from push_scenario.definition.loader import scenario_text
-from tqdm import tqdm
+from push_scenario.parallel import ERROR, JobFunction, progress_bar, run_many
 
 DESCRIPTION = 'Benchmark of tasks: how many random goals are reached, how soon.'
 # Number of tasks of each part; those that are not here have 200. Strict: as many for each of two
@@ -44,8 +41,6 @@ def options() -> argparse.Namespace:
     parser.add_argument('--part', type=part_and_count, action='append', dest='parts',
                         metavar='PART[=COUNT]', help='only this part, with as many tasks; may be '
                         'given several times: ' + ', '.join(PARTS))
-    parser.add_argument('--method', choices=METHODS, action='append', dest='methods',
-                        help='only this method; may be given several times')
     parser.add_argument('--kind', help='only this object and drive, such as "box_04, holonomic"')
     parser.add_argument('--count', type=int, help='number of tasks of every part')
     parser.add_argument('--quick', action='store_true', help='a few tasks of every part')
@@ -61,7 +56,6 @@ def options() -> argparse.Namespace:
     else:
         chosen.parts = [OPEN] if chosen.seed is not None else [
             part for part in PARTS if chosen.kind in (None, *KINDS[part])]
-    chosen.methods = chosen.methods or METHODS
     for part in chosen.parts or [OPEN]:
         if chosen.kind not in (None, *KINDS[part]):
             parser.error(f'--kind: got {chosen.kind!r}, expected one of ' + '; '.join(KINDS[part]))
@@ -101,64 +95,52 @@ def count_of(chosen: argparse.Namespace, part: str) -> int:
     return COUNTS.get(part, OTHER_COUNT)
 
 
-def batch(chosen: argparse.Namespace, function: JobFunction, title: str,
-          todo: list[Job]) -> list[Record]:
+def run_jobs(chosen: argparse.Namespace, function: JobFunction, title: str,
+             todo: list[Job]) -> list[Record]:
     """Run jobs, or resume them; return their records."""
-    kind = '' if chosen.kind is None else f'-{chosen.kind.replace(", ", "-")}'
-    path = chosen.records / f'{title.replace(" ", "_").replace(",", "")}{kind}-{len(todo)}.jsonl'
-    with tqdm(total=len(todo), desc=title) as bar:
-        def advance(done: int, _: int) -> None:
-            bar.update(done - bar.n)
-
-        result = run_batch(function, todo, path, workers=chosen.workers, chunk=1,
-                           progress=advance)
-    return [record or {'success': False, 'outcome': 'error', 'reason': result.errors[index]}
-            for index, record in enumerate(result.records)]
+    records = run_many(function, todo, folder=chosen.records, workers=chosen.workers, block=1,
+                       progress=progress_bar(title))
+    return [{'success': False, 'outcome': 'error', 'reason': record[ERROR]}
+            if ERROR in record else record for record in records]
 
 
 def measure(chosen: argparse.Namespace) -> tuple[list[Job], list[Record]]:
-    """Run all tasks by all methods; return jobs and records."""
+    """Run all tasks; return jobs and records."""
     all_jobs: list[Job] = []
     all_records: list[Record] = []
     for part in chosen.parts:
         tasks = jobs(part, count_of(chosen, part), [chosen.kind] if chosen.kind else [])
         references: list[Record] = [{} for _ in tasks]
         if part == OPEN:
-            references = batch(chosen, refer, f'{part}, reference', tasks)
-        for method in chosen.methods:
-            todo = [{**task, 'method': method} for task in tasks]
-            done = batch(chosen, run, f'{part}, {method}', todo)
-            all_jobs += todo
-            all_records += [{**reference, **record}
-                            for reference, record in zip(references, done)]
+            references = run_jobs(chosen, refer, f'{part}, reference', tasks)
+        done = run_jobs(chosen, run, part, tasks)
+        all_jobs += tasks
+        all_records += [{**reference, **record} for reference, record in zip(references, done)]
     return all_jobs, all_records
 
 
 def one(chosen: argparse.Namespace) -> None:
-    """Run one task by each method and print what happened; write it as a scenario."""
+    """Run one task and print what happened; write it as a scenario."""
     part = chosen.parts[0]
-    for method in chosen.methods:
-        job = {'part': part, 'kind': chosen.kind or KINDS[part][0], 'seed': chosen.seed,
-               'method': method}
-        case = drawn(job)
-        result, clock = run_case(case)
-        print(', '.join(f'{name} {value}' for name, value in job.items()))
-        for change in result.history:
-            print(f'{change.time:7.2f} s {change.state.value:9} {change.reason}')
-        for number, plan in enumerate(result.sequence_plans, 1):
-            pushes = ', '.join(f'{push.contact.kind} {push.contact.index}: '
-                               f'{push.path_length:.3f} m' for push in plan.pushes)
-            print(f'plan {number}: {plan.duration:.1f} s: {pushes}')
-        if case.intervention is not None and case.intervention.displacement is not None:
-            print(f'moved in {case.intervention.state}: {case.intervention.displacement}')
-        print(f'{result.outcome.value} after {result.duration:.1f} s {result.reason}: '
-              f'{1e3 * result.position_error:.1f} mm, '
-              f'{math.degrees(result.heading_error):.2f} deg (tolerance {case.tolerance}); '
-              f'planning {", ".join(f"{value:.2f} s" for value in clock.planning)}')
-        chosen.records.mkdir(parents=True, exist_ok=True)
-        path = chosen.records / f'random-{method}.yaml'
-        path.write_text(scenario_text(disturbed(case)), encoding='utf-8')
-        print(f'written: {path}; replay {path} --in-process')
+    job: Job = {'part': part, 'kind': chosen.kind or KINDS[part][0], 'seed': chosen.seed}
+    case = draw(**job)
+    result, clock = run_case(case)
+    print(', '.join(f'{name} {value}' for name, value in job.items()))
+    for change in result.history:
+        print(f'{change.time:7.2f} s {change.state.value:9} {change.reason}')
+    for number, plan in enumerate(result.task_plans, 1):
+        print(f'plan {number}: {plan.expected_time:.1f} s: {plan.contact.kind} '
+              f'{plan.contact.index}: {plan.length:.3f} m')
+    if case.intervention is not None and case.intervention.displacement is not None:
+        print(f'moved in {case.intervention.state}: {case.intervention.displacement}')
+    print(f'{result.outcome.value} after {result.duration:.1f} s {result.reason}: '
+          f'{1e3 * result.position_error:.1f} mm, '
+          f'{math.degrees(result.heading_error):.2f} deg (tolerance {case.tolerance}); '
+          f'planning {", ".join(f"{value:.2f} s" for value in clock.planning)}')
+    chosen.records.mkdir(parents=True, exist_ok=True)
+    path = chosen.records / 'random.yaml'
+    path.write_text(scenario_text(disturbed(case)), encoding='utf-8')
+    print(f'written: {path}; replay {path} --in-process')
 
 
 def main() -> int:
@@ -174,7 +156,6 @@ def main() -> int:
         return INTERRUPTED
     written = text(all_jobs, all_records)
     print(written)
-    print(write_page(chosen.records / 'tasks.html', all_jobs, all_records))
     if chosen.out:
         chosen.out.mkdir(parents=True, exist_ok=True)
         (chosen.out / 'tasks.md').write_text(written, encoding='utf-8')

@@ -17,12 +17,12 @@ import math
 from typing import Optional
 
 import numpy as np
-from push_control.task.settings import SupervisionSettings
+from push_control.supervision_settings import SupervisionSettings
 from push_model.contact import find_contact
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject
 from push_navigation.settings import DriveSettings
-from push_planner.primitive_push.trajectory import greatest_speed
+from push_planner.straight.trajectory import greatest_speed
 from push_scenario.definition.scenario import Scenario
 
 

@@ -8,7 +8,7 @@ same kind and seed, so that both can be compared one by one.
 
 import dataclasses
 import math
-from typing import Any, Callable, get_args, NamedTuple, Optional, Sequence
+from typing import Any, Callable, NamedTuple, Optional, Sequence
 
 from benchmarks.controller.cases import objects, SENSORS, STRESSES
 from benchmarks.controller.tables import Job
@@ -22,10 +22,11 @@ from push_model.files import data
 from push_model.files.parameter_files import read_robot
 from push_model.geometry import distance, Pose
 from push_model.parameters import PushedObject, RoundRobot
-from push_planner.settings import PlannerSettings, TaskMethod
+from push_planner.settings import PlannerSettings
 from push_scenario.definition.placement import Placement
 from push_scenario.definition.scenario import Scenario, Start
 from push_scenario.definition.task import Task
+from push_sim_node.drive_imperfections import DriveImperfections, SpeedFactor
 from push_sim_node.sensors import SensorSettings
 from push_sim_node.simulation import SimulationSettings
 
@@ -41,14 +42,16 @@ STRICT = 'strict'
 INFORMED = 'informed'
 FLATS = 'flats'
 SPATIAL = 'spatial'
+BASES = 'bases'
+SPATIAL_BASES = 'spatial bases'
 # The order enters the seeds of the draws: append only.
 PARTS = (OPEN, IN_MAPS, DISTURBED, SLIPPERY, CREEPING, FRICTIONLESS, WHEELS, TAG, STRICT,
-         INFORMED, FLATS, SPATIAL)
+         INFORMED, FLATS, SPATIAL, BASES, SPATIAL_BASES)
 ROBOTS = {'differential': 'disc_017', 'holonomic': 'holonomic_017'}
 OBJECTS = ('box_04', 'carton', 'coffee_table', 'bin')
 # A table that is 0.9 m long cannot be rotated between the walls, and the other engine has only
 # boxes and cylinders; a differential drive cannot hold its contact on a round side.
-FITTING = {part: ('box_04', 'carton', 'bin') for part in (IN_MAPS, FLATS, SPATIAL)}
+FITTING = {part: ('box_04', 'carton', 'bin') for part in (IN_MAPS, FLATS, SPATIAL, SPATIAL_BASES)}
 KINDS = {part: tuple(f'{name}, {drive}' for name in FITTING.get(part, OBJECTS) for drive in ROBOTS
                      if (name, drive) != ('bin', 'differential'))
          for part in PARTS}
@@ -65,7 +68,7 @@ CLEARANCE = 0.05
 # Latest begin of a disturbance [s], chosen: while most tasks are under way; and longest pose
 # drop-out [s], chosen: 40 periods of the pose.
 LATEST = 30.0
-LONGEST_DROPOUT = 2.0
+MAX_DROPOUT = 2.0
 # Simulated time after which a task is given up [s]; chosen: far longer than tasks take.
 TIME_LIMIT = 900.0
 # True contact friction of slippery contacts, where 0.5 is believed: range that was set for tasks.
@@ -88,14 +91,29 @@ TAG_SUPERVISION = {'moved_distance': 0.1, 'moved_angle': 0.15}
 # True heights of contact and mass centre where 0 is believed [m]; chosen: a bumper, and half the
 # height of a box.
 HEIGHTS = {'contact_height': 0.08, 'center_of_mass_height': 0.15}
+# Bases that do not do what they are told, of which nothing is stated: true values of the robot,
+# and faults of its drive. Set for tasks.
+BAD_BASES: dict[str, tuple[dict[str, float], DriveImperfections]] = {
+    'wheels from 0.05 m/s on': ({'min_speed': 0.05, 'min_yaw_rate': 0.1}, DriveImperfections()),
+    'wheels from 0.08 m/s on': ({'min_speed': 0.08, 'min_yaw_rate': 0.15}, DriveImperfections()),
+    'the same behind the lag': ({}, DriveImperfections(output_min_speed=0.08,
+                                                       output_min_yaw_rate=0.15)),
+    '0.02 m/s, 0.1 s late': ({'min_speed': 0.02, 'dead_time': 0.1}, DriveImperfections()),
+    '0.3 s late': ({'dead_time': 0.3}, DriveImperfections()),
+    'steps of 0.01 m/s': ({'speed_step': 0.01}, DriveImperfections()),
+    'stiction 1.3': ({'min_speed': 0.05, 'min_yaw_rate': 0.1},
+                     DriveImperfections(start_ratio=1.3)),
+    'sag by a fifth': ({}, DriveImperfections(sag=0.2)),
+    'smoother of 0.3 m/s^2': ({}, DriveImperfections(smoother_acceleration=0.3,
+                                                     smoother_yaw_acceleration=2.0)),
+    'half speed for 5 s': ({}, DriveImperfections(speed_factors=(SpeedFactor(6.0, 11.0, 0.5),))),
+    'creep of 8 % at 15 N': ({}, DriveImperfections(wheel_creep=0.08 / 15.0)),
+    'one wheel 10 % slow': ({}, DriveImperfections(left_wheel_factor=0.9)),
+    'spinning beyond 10 N': ({'max_push_force': 10.0}, DriveImperfections()),
+    'spinning beyond 20 N': ({'max_push_force': 20.0}, DriveImperfections()),
+    'spinning beyond 30 N': ({'max_push_force': 30.0}, DriveImperfections())}
 # Noise of the place of a robot that knows where it is [m, rad]: as good as none, but above 0.
 INFORMED_NOISE = 1e-4
-SEQUENCES: TaskMethod = 'sequences'
-# What sequences of pushes were tuned with; the defaults are those of the other method.
-SEQUENCES_CLEARANCE = 0.05
-SEQUENCES_AVERAGING_TIME = 0.5
-# How tasks are planned: the choices of ``TaskSettings.method``, the default first.
-METHODS: tuple[TaskMethod, ...] = get_args(TaskMethod)
 
 
 class Tolerance(NamedTuple):
@@ -153,23 +171,6 @@ def jobs(part: str, count: int, kinds: Sequence[str] = ()) -> list[Job]:
             for index in range(count)]
 
 
-def with_method(case: Case, method: TaskMethod) -> Case:
-    """
-    Let a task be planned by a method.
-
-    :param case: ``Case``.
-    :param method: one of ``METHODS``.
-    """
-    if method == SEQUENCES:
-        case = _with_supervision(case, min_averaging_time=SEQUENCES_AVERAGING_TIME)
-    task = case.scenario.task or Task()
-    drive, planning = task.drive, dataclasses.replace(task.planning, method=method)
-    if method == SEQUENCES:
-        drive = dataclasses.replace(drive, clearance=SEQUENCES_CLEARANCE)
-    return case._replace(scenario=dataclasses.replace(
-        case.scenario, task=dataclasses.replace(task, drive=drive, planning=planning)))
-
-
 def draw(part: str, kind: str, seed: int) -> Case:
     """
     Draw a task.
@@ -213,7 +214,7 @@ def _draw(part: str, kind: str, seed: int) -> Case:
         intervention = Intervention(disturbance, rng.uniform(0.0, LATEST),
                                     rng.uniform(-math.pi, math.pi))
         begin = rng.uniform(0.0, LATEST)
-        dropouts = ((begin, begin + rng.uniform(0.0, LONGEST_DROPOUT)),)
+        dropouts = ((begin, begin + rng.uniform(0.0, MAX_DROPOUT)),)
     return Case(Scenario(
         name='random', description=f'{part}, {kind}, seed {seed}', object=believed,
         true_object=true, robot=robot, true_robot=robot, goal=Placement(*goal),
@@ -330,6 +331,21 @@ def _spatial(case: Case, _: np.random.Generator) -> Case:
         scenario, true_object=dataclasses.replace(scenario.true_object, **HEIGHTS)))
 
 
+def _bad_base(case: Case, _: np.random.Generator) -> Case:
+    """Give the robot a base that does not do what it is told, another one for each seed."""
+    scenario = case.scenario
+    variety = list(BAD_BASES)[scenario.simulation.seed % len(BAD_BASES)]
+    fields, faults = BAD_BASES[variety]
+    true_robot: Any = dataclasses.replace(scenario.true_robot, **fields)
+    return case._replace(variety=variety, scenario=dataclasses.replace(
+        scenario, true_robot=true_robot,
+        simulation=dataclasses.replace(scenario.simulation, drive=faults)))
+
+
+def _spatial_bad_base(case: Case, rng: np.random.Generator) -> Case:
+    return _bad_base(_spatial(case, rng), rng)
+
+
 def _informed(case: Case, _: np.random.Generator) -> Case:
     """Let the robot know the true object and where it is; poses come as late as before."""
     sensors = SensorSettings(
@@ -347,4 +363,5 @@ def _strict(case: Case, tolerance: Tolerance) -> Case:
 
 VARIATIONS: dict[str, Callable[[Case, np.random.Generator], Case]] = {
     SLIPPERY: _slippery, CREEPING: _creeping, FRICTIONLESS: _frictionless, WHEELS: _wheels,
-    TAG: _tag, INFORMED: _informed, SPATIAL: _spatial}
+    TAG: _tag, INFORMED: _informed, SPATIAL: _spatial, BASES: _bad_base,
+    SPATIAL_BASES: _spatial_bad_base}

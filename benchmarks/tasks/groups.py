@@ -1,4 +1,4 @@
-"""Groups of random tasks: by method, object and drive, map, disturbance, variation."""
+"""Groups of random tasks: by object and drive, map, disturbance, variation."""
 
 import re
 from typing import Callable, NamedTuple, Optional, Sequence
@@ -15,16 +15,14 @@ FALSELY_DONE = 'says that it is done, and is not'
 
 class Group(NamedTuple):
     """
-    Tasks of one part, planned by one method, that share a property.
+    Tasks of one part that share a property.
 
     :param part: one of ``PARTS`` in ``benchmarks.tasks.cases``.
-    :param method: one of ``METHODS`` there.
     :param name: the property, or ``ALL``.
     :param tasks: (job, record) of each.
     """
 
     part: str
-    method: str
     name: str
     tasks: list[Pair]
 
@@ -67,41 +65,34 @@ class Group(NamedTuple):
                          ' '.join(self.values('planning', successful=False)).split()])
 
 
-def grouped(pairs: Sequence[Pair], part: str, method: str,
+def grouped(pairs: Sequence[Pair], part: str,
             key: Optional[Callable[[Job, Record], str]] = None) -> list[Group]:
     """
-    Group the tasks of one part and method; all together come first.
+    Group the tasks of one part; all together come first.
 
     :param pairs: (job, record) of all tasks.
     :param part: one of ``PARTS`` in ``benchmarks.tasks.cases``.
-    :param method: one of ``METHODS`` there.
     :param key: function of (job, record) that names the group; None for all together alone.
     :return: list of ``Group``, none of them empty.
     """
-    chosen = [(job, record) for job, record in pairs
-              if job['part'] == part and job['method'] == method]
+    chosen = [(job, record) for job, record in pairs if job['part'] == part]
     found = {ALL: chosen} if chosen else {}
     if key is not None:
         for job, record in chosen:
             found.setdefault(key(job, record), []).append((job, record))
-    return [Group(part, method, name, tasks) for name, tasks in found.items()]
+    return [Group(part, name, tasks) for name, tasks in found.items()]
 
 
-def side_by_side(pairs: Sequence[Pair], parts: Sequence[str], methods: Sequence[str],
-                 key: Optional[Callable[[Job, Record], str]] = None) -> list[Group]:
+def grouped_parts(pairs: Sequence[Pair], parts: Sequence[str],
+                  key: Optional[Callable[[Job, Record], str]] = None) -> list[Group]:
     """
-    Group the tasks of some parts; the methods of a group follow each other.
+    Group the tasks of some parts, part by part.
 
     :param pairs: (job, record) of all tasks.
     :param parts: of ``PARTS`` in ``benchmarks.tasks.cases``.
-    :param methods: of ``METHODS`` there.
     :param key: function of (job, record) that names the group; None for all together alone.
     """
-    found = [group for part in parts for method in methods
-             for group in grouped(pairs, part, method, key)]
-    order = list(dict.fromkeys((group.part, group.name) for group in found))
-    return sorted(found, key=lambda group: (order.index((group.part, group.name)),
-                                            methods.index(group.method)))
+    return [group for part in parts for group in grouped(pairs, part, key)]
 
 
 def kind(job: Job, _: Record) -> str:
@@ -125,10 +116,10 @@ def with_informed_times(pairs: Sequence[Pair]) -> list[Pair]:
 
     :param pairs: (job, record) of all tasks.
     """
-    times = {(job['method'], job['kind'], job['seed']): record['duration']
+    times = {(job['kind'], job['seed']): record['duration']
              for job, record in pairs if job['part'] == INFORMED and record['success']}
     return [(job, {**record, 'informed': times[key]})
-            if job['part'] == OPEN and (key := (job['method'], job['kind'], job['seed'])) in times
+            if job['part'] == OPEN and (key := (job['kind'], job['seed'])) in times
             else (job, record) for job, record in pairs]
 
 

@@ -1,18 +1,15 @@
-"""Picture of the benchmark of tasks: times, errors and success of each method."""
+"""Picture of the benchmark of tasks: times, errors and success."""
 
 from pathlib import Path
 from typing import Any, Sequence
 
 from benchmarks.controller.tables import Job, Pair, Record, TO_DEGREES, wilson
-from benchmarks.tasks.cases import METHODS, OPEN, PARTS, Tolerance
-from benchmarks.tasks.groups import drive, Group, grouped, side_by_side
-from benchmarks.tasks.report import methods_of
+from benchmarks.tasks.cases import OPEN, PARTS, Tolerance
+from benchmarks.tasks.groups import drive, Group, grouped, grouped_parts
 import numpy as np
 
-COLOURS: dict[str, str] = dict(zip(METHODS, ('C0', '0.5')))
+COLOUR = 'C0'
 LINES = {'differential': '-', 'holonomic': '--'}
-# Distance of two methods in one row of the pictures of all parts.
-OFFSET = 0.28
 
 
 def picture(path: Path, jobs: Sequence[Job], records: Sequence[Record]) -> None:
@@ -25,62 +22,57 @@ def picture(path: Path, jobs: Sequence[Job], records: Sequence[Record]) -> None:
     """
     from matplotlib.figure import Figure
     pairs = list(zip(jobs, records))
-    methods = methods_of(pairs)
     figure = Figure(figsize=(12, 8.5), layout='constrained')
     (times, errors), (success, spans) = figure.subplots(2, 2)
-    _draw_open_floor(times, errors, pairs, methods)
-    _draw_parts(success, spans, pairs, methods)
+    _draw_open_floor(times, errors, pairs)
+    _draw_parts(success, spans, pairs)
     for axis in (times, errors, success, spans):
         axis.grid(alpha=0.3)
     figure.savefig(path, dpi=110)
 
 
-def _draw_open_floor(times: Any, errors: Any, pairs: Sequence[Pair], methods: Sequence[str]
-                     ) -> None:
+def _draw_open_floor(times: Any, errors: Any, pairs: Sequence[Pair]) -> None:
     """Draw the distribution of times, and the errors at the end."""
-    for method in methods:
-        for group in grouped(pairs, OPEN, method, drive)[1:]:
-            durations = np.sort(group.values('duration'))
-            fractions = np.arange(1, len(durations) + 1) / len(group.tasks)
-            times.step(durations, fractions, where='post', color=COLOURS[method],
-                       ls=LINES[group.name], label=f'{method}, {group.name}')
-        for group in grouped(pairs, OPEN, method):
-            errors.plot(1e3 * group.values('position_error', successful=False),
-                        TO_DEGREES * group.values('heading_error', successful=False), '.', ms=4,
-                        alpha=0.5, color=COLOURS[method], label=method)
+    for group in grouped(pairs, OPEN, drive)[1:]:
+        durations = np.sort(group.values('duration'))
+        fractions = np.arange(1, len(durations) + 1) / len(group.tasks)
+        times.step(durations, fractions, where='post', color=COLOUR, ls=LINES[group.name],
+                   label=group.name)
+    for group in grouped(pairs, OPEN):
+        errors.plot(1e3 * group.values('position_error', successful=False),
+                    TO_DEGREES * group.values('heading_error', successful=False), '.', ms=4,
+                    alpha=0.5, color=COLOUR)
     _finish_open_floor(times, errors)
 
 
-def _draw_parts(success: Any, spans: Any, pairs: Sequence[Pair], methods: Sequence[str]) -> None:
+def _draw_parts(success: Any, spans: Any, pairs: Sequence[Pair]) -> None:
     """Draw success and times, a row for each part that was measured."""
-    measured = [part for part in PARTS if side_by_side(pairs, (part,), methods)]
-    for row, part in enumerate(measured):
-        for group in side_by_side(pairs, (part,), methods):
-            y = row + OFFSET * (methods.index(group.method) - 0.5 * (len(methods) - 1))
-            _draw_success(success, group, y)
-            _draw_times(spans, group, y)
+    groups = grouped_parts(pairs, PARTS)
+    for row, group in enumerate(groups):
+        _draw_success(success, group, row)
+        _draw_times(spans, group, row)
     success.set(xlabel='success and its 95 % interval, %')
     spans.set(xlabel='time of the tasks that succeed, s: median, 5 and 95 %', xscale='log')
     spans.xaxis.set_major_formatter('{x:g}')
     spans.xaxis.set_minor_formatter('{x:g}')
     spans.tick_params(axis='x', which='minor', labelsize=7)
     for axis in (success, spans):
-        axis.set_yticks(range(len(measured)), measured)
-        axis.set_ylim(len(measured) - 0.5, -0.5)
+        axis.set_yticks(range(len(groups)), [group.part for group in groups])
+        axis.set_ylim(len(groups) - 0.5, -0.5)
 
 
 def _draw_success(axis: Any, group: Group, y: float) -> None:
     low, high = wilson(group.successes, len(group.tasks))
-    axis.plot((100.0 * low, 100.0 * high), (y, y), color=COLOURS[group.method], lw=4, alpha=0.4)
-    axis.plot(100.0 * group.successes / len(group.tasks), y, 'o', color=COLOURS[group.method])
+    axis.plot((100.0 * low, 100.0 * high), (y, y), color=COLOUR, lw=4, alpha=0.4)
+    axis.plot(100.0 * group.successes / len(group.tasks), y, 'o', color=COLOUR)
 
 
 def _draw_times(axis: Any, group: Group, y: float) -> None:
     durations = group.values('duration')
     if len(durations):
         low, median, high = np.percentile(durations, (5, 50, 95))
-        axis.plot((low, high), (y, y), color=COLOURS[group.method], lw=4, alpha=0.4)
-        axis.plot(median, y, 'o', color=COLOURS[group.method])
+        axis.plot((low, high), (y, y), color=COLOUR, lw=4, alpha=0.4)
+        axis.plot(median, y, 'o', color=COLOUR)
 
 
 def _finish_open_floor(times: Any, errors: Any) -> None:

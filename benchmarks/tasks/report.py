@@ -6,9 +6,9 @@ from typing import Sequence
 from benchmarks.controller.tables import Job, Pair, Record
 from benchmarks.report_template import fill_template
 from benchmarks.tasks.aims import aim_table
-from benchmarks.tasks.cases import DISTURBED, IN_MAPS, METHODS, OPEN, PARTS, STRICT, WHEELS
+from benchmarks.tasks.cases import DISTURBED, IN_MAPS, OPEN, PARTS, STRICT, WHEELS
 from benchmarks.tasks.groups import (
-    Group, kind, side_by_side, variety, with_informed_times,
+    Group, grouped_parts, kind, variety, with_informed_times,
 )
 from benchmarks.tasks.tables import (
     collision_table, correction_table, effort_table, failure_table, recovery_table, state_table,
@@ -21,51 +21,40 @@ NOT_MEASURED = 'Not measured in this run.'
 VARIED = tuple(part for part in PARTS if part not in (OPEN, IN_MAPS, DISTURBED))
 
 
-def methods_of(pairs: Sequence[Pair]) -> list[str]:
-    """
-    List the methods that were measured.
-
-    :param pairs: (job, record) of all tasks.
-    """
-    used = {job['method'] for job, _ in pairs}
-    return [method for method in METHODS if method in used]
-
-
 def text(jobs: Sequence[Job], records: Sequence[Record]) -> str:
     """
     Fill the template.
 
-    :param jobs: dicts of ``part``, ``kind``, ``seed`` and ``method``.
+    :param jobs: dicts of ``part``, ``kind`` and ``seed``.
     :param records: what ``benchmarks.tasks.run.run`` returned for them, those on open floor with
         what ``benchmarks.tasks.reference.refer`` returned.
     """
     pairs = with_informed_times(list(zip(jobs, records)))
-    methods = methods_of(pairs)
-    everything = side_by_side(pairs, PARTS, methods)
-    kinds = side_by_side(pairs, (OPEN,), methods, kind)
-    mapped = side_by_side(pairs, (IN_MAPS,), methods, variety)
-    disturbed = (side_by_side(pairs, (DISTURBED,), methods, variety)
-                 + side_by_side(pairs, (DISTURBED,), methods, _state_when_moved)[len(methods):])
+    everything = grouped_parts(pairs, PARTS)
+    kinds = grouped_parts(pairs, (OPEN,), kind)
+    mapped = grouped_parts(pairs, (IN_MAPS,), variety)
+    disturbed = (grouped_parts(pairs, (DISTURBED,), variety)
+                 + grouped_parts(pairs, (DISTURBED,), _state_when_moved)[1:])
     return fill_template(
-        TEXT, COUNTS=_counts(everything), AIMS=aim_table(pairs, methods),
+        TEXT, COUNTS=_counts(everything), AIMS=aim_table(pairs),
         OPEN=success_table(kinds) if kinds else NOT_MEASURED,
         EFFORT=effort_table(kinds) if kinds else NOT_MEASURED,
         CORRECTIONS=correction_table(kinds) if kinds else NOT_MEASURED,
-        STATES=state_table(everything), VARIED=_varied(pairs, methods),
+        STATES=state_table(everything), VARIED=_varied(pairs),
         MAPS=success_table(mapped) if mapped else NOT_MEASURED,
         CLEARANCES=collision_table(mapped) if mapped else NOT_MEASURED,
         DISTURBED=success_table(disturbed) if disturbed else NOT_MEASURED,
-        FAILURES=failure_table(pairs), RECOVERIES=recovery_table(pairs, methods))
+        FAILURES=failure_table(pairs), RECOVERIES=recovery_table(pairs))
 
 
 def _counts(groups: Sequence[Group]) -> str:
     return ', '.join({group.part: f'{len(group.tasks)} {group.part}' for group in groups}.values())
 
 
-def _varied(pairs: Sequence[Pair], methods: Sequence[str]) -> str:
-    groups = side_by_side(pairs, VARIED, methods)
+def _varied(pairs: Sequence[Pair]) -> str:
+    groups = grouped_parts(pairs, VARIED)
     for part in (WHEELS, STRICT):
-        groups += side_by_side(pairs, (part,), methods, variety)[len(methods):]
+        groups += grouped_parts(pairs, (part,), variety)[1:]
     return success_table(groups, with_part=True) if groups else NOT_MEASURED
 
 

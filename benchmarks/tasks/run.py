@@ -3,13 +3,12 @@
 import dataclasses
 import math
 import time
-from typing import Optional, Union
+from typing import Optional
 
 from benchmarks.controller.tables import Job, Record
-from benchmarks.tasks.cases import Case, draw, Tolerance, with_method
+from benchmarks.tasks.cases import Case, draw, Tolerance
 from benchmarks.tasks.intervention import Intervention
 from benchmarks.tasks.maps import Floor, object_clearance, robot_clearance
-from push_control.push.controller import Controller
 from push_control.task.status import SupervisorStatus, TaskState
 from push_control.task.supervisor import Supervisor
 from push_model.plan_request import PlanRequest
@@ -41,18 +40,13 @@ class PlanningClock:
         self._since = 0.0
         self.planning: list[float] = []
 
-    def __call__(self, simulation: Simulation,
-                 supervisor: Union[Controller, Supervisor]) -> None:
+    def __call__(self, simulation: Simulation, supervisor: Supervisor) -> None:
         """
         Note the CPU time, before a measurement.
 
         :param simulation: the ``Simulation``.
         :param supervisor: the ``Supervisor``.
-        :raises TypeError: for the ``Controller`` of a single push.
         """
-        if not isinstance(supervisor, Supervisor):
-            raise TypeError(f'supervisor: got a {type(supervisor).__name__}, '
-                            'expected a Supervisor')
         now, plan_request = time.process_time(), supervisor.plan_request
         if self._plan_request is not None and plan_request is not self._plan_request:
             self.planning.append(now - self._since)
@@ -70,7 +64,7 @@ def run(job: Job) -> Record:
     :return: flat dict of numbers and texts.
     :raises RuntimeError: where the run has no status of a supervisor.
     """
-    case = drawn(job)
+    case = draw(**job)
     begin = time.process_time()
     result, clock = run_case(case)
     cpu = time.process_time() - begin
@@ -91,16 +85,6 @@ def run(job: Job) -> Record:
     if case.intervention is not None:
         record['moved_in'] = case.intervention.state
     return record
-
-
-def drawn(job: Job) -> Case:
-    """
-    Draw the task of a job, to be planned by its method.
-
-    :param job: ``method``, and the keyword arguments of ``draw``.
-    """
-    case = draw(job['part'], job['kind'], job['seed'])
-    return with_method(case, job['method'])
 
 
 def run_case(case: Case) -> tuple[RunResult, PlanningClock]:

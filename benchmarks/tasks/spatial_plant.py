@@ -6,8 +6,8 @@ from typing import Any
 from benchmarks.plant.mujoco_scene import BASE_MASS, DEFAULT, MujocoPlant
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
-from push_model.signals import STOP, Twist
-from push_sim_node.plant import Plant
+from push_model.signals import Twist
+from push_sim_node.plant import IMMEDIATE_DRIVE, Plant
 
 # MuJoCo as it is, with soft contacts, which slip under any tangential force; but for the cone,
 # which is round here: on the default pyramid friction depends on the direction in the world. The
@@ -30,6 +30,8 @@ class SpatialPlant(Plant):
                  *options: Any, **more_options: Any) -> None:
         super().__init__(obj, robot, object_pose, robot_pose, *options, **more_options)
         self._engine = MujocoPlant(obj, robot, object_pose, self.robot_pose, ENGINE)
+        if self._imperfect_drive is not None:
+            self._engine.drive = IMMEDIATE_DRIVE
 
     def set_object_pose(self, pose: Pose) -> None:
         """
@@ -41,14 +43,14 @@ class SpatialPlant(Plant):
         super().set_object_pose(pose)
         self._engine.set_object_pose(pose)
 
-    def advance(self, duration: float, command: Twist = STOP) -> None:
-        """
-        Let time pass while one command stands.
-
-        :param duration: how long [s], above 0.
-        :param command: ``Twist`` for the robot, its own axes; limits of the drive apply.
-        """
+    def _follow(self, duration: float, command: Twist) -> None:
+        """Move on while the drive, with its lag and limits, follows a command."""
         engine = self._engine
         engine.advance(duration, command)
         self.stand_at(engine.object_pose, engine.robot_pose)
         self.set_velocities(engine.object_twist, engine.twist)
+
+    def _force_on_robot(self) -> tuple[float, float]:
+        """Return the force of the object on the robot in the last step, own axes [N]."""
+        x, y = Pose(0.0, 0.0, -self.robot_pose.theta).rotate(self._engine.force_on_robot)
+        return float(x), float(y)

@@ -22,14 +22,14 @@ def success_table(groups: Sequence[Group], with_part: bool = False) -> str:
         count, pushes = len(group.tasks), group.values('pushes')
         low, high = wilson(group.successes, count)
         name = f'{group.part}, {group.name}' if with_part else group.name
-        rows.append((name, group.method, count, f'{100.0 * group.successes / count:.1f} %',
+        rows.append((name, count, f'{100.0 * group.successes / count:.1f} %',
                      f'{100.0 * low:.1f} to {100.0 * high:.1f}', group.falsely_done,
                      spread(1e3 * group.values('position_error')),
                      spread(TO_DEGREES * group.values('heading_error'), '.2f'),
                      f'{np.mean(pushes):.1f}; {spread(pushes, ".0f")}' if len(pushes) else '-',
                      spread(group.values('recoveries'), '.0f'),
                      spread(group.values('duration'), '.0f')))
-    return table(['', 'method', 'tasks', 'success', '95 % interval', 'says done and is not',
+    return table(['', 'tasks', 'success', '95 % interval', 'says done and is not',
                   'mm median, p95', 'deg median, p95', 'pushes mean; median, p95',
                   'recoveries median, p95', 's median, p95'], rows)
 
@@ -42,7 +42,7 @@ def effort_table(groups: Sequence[Group]) -> str:
     """
     rows: list[Sequence[Any]] = []
     for group in groups:
-        rows.append((group.name, group.method,
+        rows.append((group.name,
                      spread(_finite(group.ratios('duration', 'single')), '.2f'),
                      int(np.isinf(group.values('single')).sum()),
                      spread(group.ratios('duration', 'least'), '.2f'),
@@ -51,7 +51,7 @@ def effort_table(groups: Sequence[Group]) -> str:
                      spread(group.ratios('distance', 'least_distance'), '.2f'),
                      spread(group.planning, '.3f'),
                      spread(group.values('cpu', successful=False), '.1f')))
-    return table(['', 'method', 'time over single', 'no single push', 'time over bound',
+    return table(['', 'time over single', 'no single push', 'time over bound',
                   'time over informed', 'distance over single', 'distance over straight',
                   'planning, s CPU', 'simulation of a task, s CPU'], rows)
 
@@ -71,9 +71,9 @@ def correction_table(groups: Sequence[Group]) -> str:
     for group in groups:
         counts = group.values('corrections')
         if len(counts):
-            rows.append((group.name, group.method, f'{100.0 * np.mean(counts > 0):.0f} %',
+            rows.append((group.name, f'{100.0 * np.mean(counts > 0):.0f} %',
                          f'{np.mean(counts):.2f}', spread(group.values('correction_time'))))
-    return table(['', 'method', 'tasks with any', 'per task, mean',
+    return table(['', 'tasks with any', 'per task, mean',
                   's each, median, p95'], rows) if rows else 'None.'
 
 
@@ -87,9 +87,9 @@ def state_table(groups: Sequence[Group]) -> str:
     for group in groups:
         spent = [group.values(f'in_{state.value}').sum() for state in TIMED_STATES]
         if sum(spent):
-            rows.append((group.part, group.method,
+            rows.append((group.part,
                          *(f'{100.0 * part / sum(spent):.0f} %' for part in spent)))
-    return table(['', 'method', *(state.value for state in TIMED_STATES)], rows)
+    return table(['', *(state.value for state in TIMED_STATES)], rows)
 
 
 def collision_table(groups: Sequence[Group]) -> str:
@@ -102,11 +102,11 @@ def collision_table(groups: Sequence[Group]) -> str:
     for group in groups:
         clearance = [group.values(f'{body}_clearance', successful=False)
                      for body in ('robot', 'object')]
-        rows.append((group.name, group.method, len(group.tasks),
+        rows.append((group.name, len(group.tasks),
                      *(int((values < 0.0).sum()) for values in clearance),
                      *(f'{1e3 * min(values):.0f}' if len(values) else '-'
                        for values in clearance)))
-    return table(['', 'method', 'tasks', 'robot collides', 'object collides',
+    return table(['', 'tasks', 'robot collides', 'object collides',
                   'least clearance of the robot, mm',
                   'of the object, mm'], rows)
 
@@ -117,40 +117,34 @@ def failure_table(pairs: Sequence[Pair]) -> str:
 
     :param pairs: (job, record) of all tasks.
     """
-    faults: Counter[tuple[str, str, str]] = Counter()
-    first: dict[tuple[str, str, str], str] = {}
+    faults: Counter[tuple[str, str]] = Counter()
+    first: dict[tuple[str, str], str] = {}
     for job, record in pairs:
         for name in faults_of(job, record):
-            key = job['method'], job['part'], name
+            key = job['part'], name
             faults[key] += 1
             first.setdefault(key, arguments(job))
-    rows = [(method, part, name, count, f'`{first[method, part, name]}`')
-            for (method, part, name), count in faults.most_common()]
-    return table(['method', 'part', 'class', 'n', 'for example'], rows) if rows else 'None.'
+    rows = [(part, name, count, f'`{first[part, name]}`')
+            for (part, name), count in faults.most_common()]
+    return table(['part', 'class', 'n', 'for example'], rows) if rows else 'None.'
 
 
 def arguments(job: dict[str, Any]) -> str:
     """
     Write the command line that shows one task.
 
-    :param job: dict of ``method``, ``part``, ``kind`` and ``seed``.
+    :param job: dict of ``part``, ``kind`` and ``seed``.
     """
-    return (f'--part "{job["part"]}" --method {job["method"]} --kind "{job["kind"]}" '
-            f'--seed {job["seed"]}')
+    return f'--part "{job["part"]}" --kind "{job["kind"]}" --seed {job["seed"]}'
 
 
-def recovery_table(pairs: Sequence[Pair], methods: Sequence[str]) -> str:
+def recovery_table(pairs: Sequence[Pair]) -> str:
     """
     List the reasons of recoveries, in all tasks.
 
     :param pairs: (job, record) of all tasks.
-    :param methods: those to list.
     """
-    found = {method: Counter(
-        without_numbers(reason) for job, record in pairs if job['method'] == method
+    reasons = Counter(
+        without_numbers(reason) for _, record in pairs
         for reason in record.get('recovery_reasons', '').split('; ') if reason)
-        for method in methods}
-    reasons = sum(found.values(), Counter()).most_common()
-    return table(['what', *methods],
-                 [(reason, *(found[method][reason] for method in methods))
-                  for reason, _ in reasons]) if reasons else 'Nothing.'
+    return table(['what', 'n'], reasons.most_common()) if reasons else 'Nothing.'

@@ -9,7 +9,7 @@ from helpers.push_problems import (
 )
 import numpy as np
 from push_model.geometry import Pose
-from push_planner.verification.verification import verify
+from push_planner.steered.verification.verification import verify
 import pytest
 
 pytestmark = pytest.mark.slow

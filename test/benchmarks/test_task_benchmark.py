@@ -8,11 +8,11 @@ from benchmarks.controller.tables import ALL
 from benchmarks.tasks.aims import aim_table, aims
 from benchmarks.tasks.bound import contact_path_bound, gap, least_time
 from benchmarks.tasks.cases import (
-    CREEPING, DISTURBED, draw, FRICTIONLESS, IN_MAPS, INFORMED, jobs, KINDS, METHODS, OPEN, PARTS,
-    SEQUENCES, SLIPPERY, SPATIAL, STRICT, TAG, Tolerance, WHEELS, with_method,
+    BAD_BASES, BASES, CREEPING, DISTURBED, draw, FRICTIONLESS, IN_MAPS, INFORMED, jobs, KINDS,
+    OPEN, PARTS, SLIPPERY, SPATIAL, SPATIAL_BASES, STRICT, TAG, Tolerance, WHEELS,
 )
 from benchmarks.tasks.groups import (
-    faults_of, grouped, kind, side_by_side, with_informed_times, without_numbers,
+    faults_of, grouped, grouped_parts, kind, with_informed_times, without_numbers,
 )
 from benchmarks.tasks.intervention import Disturbance, Intervention
 from benchmarks.tasks.maps import (
@@ -23,12 +23,11 @@ from helpers.push_problems import HOLONOMIC
 import numpy as np
 from push_control.task.status import TaskState
 from push_model.geometry import Pose
-from push_planner.single_push.site_selection import choose_site
+from push_planner.steered.site_selection import choose_site
 import pytest
 
 pytestmark = pytest.mark.slow
 START = Pose(0.3, -0.2, 0.4)
-METHOD = SEQUENCES
 
 
 @pytest.mark.parametrize('goal', [Pose(1.2, 0.0, 0.0), Pose(0.8, 0.6, 1.0), Pose(0.5, -0.3, -2.0)])
@@ -120,7 +119,7 @@ def test_a_task_is_drawn_from_its_seed_alone(part):
         assert math.dist(case.scenario.robot_start[:2], case.scenario.start.object.pose[:2]) <= 2.0
         assert 0.0 < least_time(case.scenario) < case.scenario.time_limit
     assert len(drawn) == 3 * len(KINDS[part])
-    varieties = {IN_MAPS: 3, DISTURBED: 2, WHEELS: 2, STRICT: 2}
+    varieties = {IN_MAPS: 3, DISTURBED: 2, WHEELS: 2, STRICT: 2, BASES: 3, SPATIAL_BASES: 3}
     assert len({case.variety for case in drawn.values()}) == varieties.get(part, 1)
 
 
@@ -148,15 +147,16 @@ def test_a_variation_changes_one_thing_of_the_task_on_open_floor():
     assert {scenario.object.contact_friction_coefficient for scenario in slippery} == {0.5}
 
 
-def test_a_method_is_a_setting_of_the_planner():
-    """The planner's default is the first; the task is the same."""
-    case = draw(OPEN, KINDS[OPEN][0], 0)
-    plans = [with_method(case, method).scenario for method in METHODS]
-    assert SEQUENCES in METHODS
-    assert len({scenario.task.planning for scenario in plans}) == len(METHODS)
-    assert [method for method, scenario in zip(METHODS, plans)
-            if scenario == case.scenario] == [m for m in METHODS if m != SEQUENCES]
-    assert len({scenario.goal for scenario in plans}) == 1
+def test_every_bad_base_comes_and_nothing_of_it_is_stated():
+    """Only the true robot and its drive differ from the task on open floor."""
+    name = KINDS[BASES][0]
+    cases = [draw(BASES, name, seed) for seed in range(len(BAD_BASES))]
+    assert [case.variety for case in cases] == list(BAD_BASES)
+    for seed, case in enumerate(cases):
+        plain, scenario = draw(OPEN, name, seed).scenario, case.scenario
+        assert scenario.robot == plain.robot and scenario.goal == plain.goal
+        assert ((scenario.true_robot, scenario.simulation)
+                != (plain.true_robot, plain.simulation))
 
 
 def test_strict_tasks_are_those_of_open_floor_with_each_tolerance():
@@ -214,7 +214,7 @@ def test_the_intervention_waits_until_the_robot_is_clear(disturbance):
 def test_tasks_are_counted_by_kind():
     """Failures by their reason without its numbers; collisions besides; no single push counts."""
     names = KINDS[OPEN][:2]
-    pairs = [({'part': OPEN, 'kind': names[index % 2], 'seed': index, 'method': METHOD}, record)
+    pairs = [({'part': OPEN, 'kind': names[index % 2], 'seed': index}, record)
              for index, record in enumerate([
                  {'success': True, 'outcome': 'done', 'duration': 30.0, 'single': 60.0,
                   'planning': '0.25 0.50'},
@@ -222,7 +222,7 @@ def test_tasks_are_counted_by_kind():
                   'planning': '1.0', 'robot_clearance': -0.01},
                  {'success': False, 'outcome': 'done', 'planning': '', 'reason': ''},
                  {'success': False, 'outcome': 'failed', 'reason': 'off by 3.5 mm'}])]
-    everything, first, second = grouped(pairs, OPEN, METHOD, kind)
+    everything, first, second = grouped(pairs, OPEN, kind)
     assert (everything.name, first.name, second.name) == (ALL, *names)
     assert (everything.successes, first.successes, second.successes) == (2, 1, 1)
     assert everything.ratios('duration', 'single') == pytest.approx([0.5, 0.0])
@@ -230,8 +230,7 @@ def test_tasks_are_counted_by_kind():
     assert [faults_of(*pair) for pair in pairs] == [
         [], ['robot collides'], ['says that it is done, and is not'], ['failed: off by # mm']]
     assert (everything.falsely_done, first.falsely_done) == (1, 1)
-    assert grouped(pairs, IN_MAPS, METHOD, kind) == []
-    assert grouped(pairs, OPEN, 'another', kind) == []
+    assert grouped(pairs, IN_MAPS, kind) == []
 
 
 def test_classes_of_failure_have_no_numbers():
@@ -240,41 +239,41 @@ def test_classes_of_failure_have_no_numbers():
         'among them # of # m: [# #]')
 
 
-def result_of(part, seed, method=METHOD, **record):
+def result_of(part, seed, **record):
     """Return (job, record) of a task that succeeded after a minute."""
-    return ({'part': part, 'kind': KINDS[OPEN][0], 'seed': seed, 'method': method},
+    return ({'part': part, 'kind': KINDS[OPEN][0], 'seed': seed},
             {'success': True, 'outcome': 'done', 'reason': '', 'duration': 60.0, 'planning': '0.5',
              'pushes': 2, **record})
 
 
-def test_methods_stand_side_by_side():
-    """Group by group, in the order of the methods; only those that were measured."""
-    pairs = [result_of(part, 0, method) for method in ('b', 'a') for part in (OPEN, WHEELS)]
-    groups = side_by_side(pairs[:-1], (OPEN, WHEELS), ('a', 'b'))
-    assert [(group.part, group.method) for group in groups] == [
-        (OPEN, 'a'), (OPEN, 'b'), (WHEELS, 'b')]
+def test_parts_follow_each_other():
+    """Those that were measured, in the order that is asked for."""
+    pairs = [result_of(part, seed) for seed in range(2) for part in (OPEN, WHEELS)]
+    groups = grouped_parts(pairs, (WHEELS, STRICT, OPEN))
+    assert [(group.part, len(group.tasks)) for group in groups] == [(WHEELS, 2), (OPEN, 2)]
 
 
-def test_time_over_that_of_the_informed_robot_is_of_the_same_task_and_method():
+def test_time_over_that_of_the_informed_robot_is_of_the_same_task():
     """Tasks in which that robot fails are left out."""
-    pairs = [result_of(OPEN, 0), result_of(OPEN, 1), result_of(OPEN, 0, 'other'),
+    pairs = [result_of(OPEN, 0), result_of(OPEN, 1), result_of(OPEN, 2),
              result_of(INFORMED, 0, duration=40.0), result_of(INFORMED, 1, success=False)]
-    group, = grouped(with_informed_times(pairs), OPEN, METHOD)
+    group, = grouped(with_informed_times(pairs), OPEN)
     assert group.ratios('duration', 'informed') == pytest.approx([1.5])
-    group, = grouped(with_informed_times(pairs), OPEN, 'other')
-    assert len(group.ratios('duration', 'informed')) == 0
 
 
-def test_what_falls_short_of_its_aim_is_bold():
-    """One row for every aim, one column for each method; what is not measured is not bold."""
-    good = [result_of(OPEN, seed, 'good', duration=20.0, planning='0.01') for seed in range(3)]
-    poor = [result_of(OPEN, seed, 'poor', success=seed > 0) for seed in range(3)]
-    lines = aim_table(good + poor, ('good', 'poor')).splitlines()
+@pytest.mark.parametrize('results, success, time, is_done', [
+    ([{'duration': 20.0, 'planning': '0.01'}] * 3,
+     '100.0 % (43.8 to 100.0; 3 of 3), 20 s', '20 / 20', '0 of 3'),
+    ([{'success': False}, {}, {}],
+     '**66.7 % (20.8 to 93.9; 2 of 3), 60 s**', '**60 / 60**', '**1 of 3**')])
+def test_what_falls_short_of_its_aim_is_bold(results, success, time, is_done):
+    """One row for every aim; what is not measured is not bold."""
+    lines = aim_table([result_of(OPEN, seed, **record)
+                       for seed, record in enumerate(results)]).splitlines()
     assert len(lines) == 2 + len(aims())
-    rows = {cells[0]: cells[2:] for cells in
+    rows = {cells[0]: cells[2] for cells in
             ([cell.strip() for cell in line.strip('|').split('|')] for line in lines)}
-    assert rows['open floor: at rest within 10 mm and 1 deg'] == [
-        '100.0 % (43.8 to 100.0; 3 of 3), 20 s', '**66.7 % (20.8 to 93.9; 2 of 3), 60 s**']
-    assert rows['differential drive: time, median / p95, s'] == ['20 / 20', '**60 / 60**']
-    assert rows['holonomic drive: time, median / p95, s'] == ['-', '-']
-    assert rows['says done and is not, in all parts'] == ['0 of 3', '**1 of 3**']
+    assert rows['open floor: at rest within 10 mm and 1 deg'] == success
+    assert rows['differential drive: time, median / p95, s'] == time
+    assert rows['holonomic drive: time, median / p95, s'] == '-'
+    assert rows['says done and is not, in all parts'] == is_done
