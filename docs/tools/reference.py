@@ -15,6 +15,7 @@ from typing import Any
 from push_control import controller_node
 from push_model.files.flat_values import parameter_specs, ParameterSpec
 from push_planner import planner_node
+from push_ros.conversions.plan import FAILURE_CODES
 from push_ros.topics import (
     CONTROLLER, interface_name, PLANNER, SERVICES, SIM, Topic, TOPICS, TRACKER,
 )
@@ -50,6 +51,13 @@ def service_table() -> str:
         for name, (kind, node, description) in SERVICES.items()])
 
 
+def failure_table() -> str:
+    """Format the codes of plans that there are not as a Markdown table."""
+    return markdown_table(('code', 'name', 'meaning'), [
+        (str(code), f'`{failure.name}`', failure.value)
+        for failure, code in FAILURE_CODES.items()])
+
+
 def parameter_groups() -> dict[str, tuple[list[str], list[ParameterSpec]]]:
     """
     Collect the parameters of all nodes.
@@ -69,15 +77,21 @@ def parameter_groups() -> dict[str, tuple[list[str], list[ParameterSpec]]]:
     return groups
 
 
+def basic_parameter_table() -> str:
+    """Format the parameters that a user of another robot or object has to think of."""
+    return parameter_table(spec for _, specs in parameter_groups().values() for spec in specs
+                           if spec.metadata['is_basic'])
+
+
 def parameter_table(specs: Iterable[ParameterSpec]) -> str:
     """
     Format parameters as a Markdown table.
 
     :param specs: the parameters.
     """
-    return markdown_table(('parameter', 'type', 'unit', 'range', 'default', 'meaning'), [
-        (f'`{spec.name}`', kind_name(spec.kind), spec.metadata['unit'], _range_text(spec),
-         default_text(spec), spec.metadata['description']) for spec in specs])
+    return markdown_table(('parameter', 'range', 'default', 'meaning'), [
+        (f'`{spec.name}`', _range_text(spec), default_text(spec), spec.metadata['description'])
+        for spec in specs])
 
 
 def markdown_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
@@ -90,16 +104,6 @@ def markdown_table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     lines = [header, ['---'] * len(header), *rows]
     return '\n'.join('| ' + ' | '.join(cell.replace('|', '\\|') for cell in line) + ' |'
                      for line in lines)
-
-
-def kind_name(kind: Any) -> str:
-    """
-    Name the type of a parameter.
-
-    :param kind: bool, int, float, str or a list of one of them.
-    """
-    is_list = hasattr(kind, '__args__')
-    return f'list of {kind.__args__[0].__name__}' if is_list else kind.__name__
 
 
 def default_text(spec: ParameterSpec) -> str:
@@ -119,10 +123,12 @@ def default_text(spec: ParameterSpec) -> str:
 
 
 def tables() -> dict[str, str]:
-    """Format all tables, by the name of their section."""
-    found = {'topics': topic_table(), 'services': service_table()}
+    """Format all tables, by the name of their section: the basic parameters, and the others."""
+    found = {'topics': topic_table(), 'services': service_table(),
+             'plan failures': failure_table(), 'basic parameters': basic_parameter_table()}
     for name, (nodes, specs) in parameter_groups().items():
-        found[f'parameters {name}'] = f'Nodes: {_nodes(nodes)}.\n\n{parameter_table(specs)}'
+        table = parameter_table(spec for spec in specs if not spec.metadata['is_basic'])
+        found[f'parameters {name}'] = f'Nodes: {_nodes(nodes)}.\n\n{table}'
     return found
 
 
@@ -166,29 +172,35 @@ def _nodes(names: Iterable[str]) -> str:
 
 
 def _qos_text(topic: Topic) -> str:
-    """Say how a topic is published and subscribed, where nodes of ours do so."""
+    """Say how nodes of this package publish and subscribe a topic, with the depths."""
     sides: list[str] = []
     if topic.publishers:
-        sides.append(f'published {_profile_text(topic.publish_qos)}')
+        sides.append(f'out {_profile_text(topic.publish_qos)}')
     if topic.subscribers:
-        sides.append(f'subscribed {_profile_text(topic.subscribe_qos)}')
+        sides.append(f'in {_profile_text(topic.subscribe_qos)}')
     return '; '.join(sides)
 
 
 def _profile_text(profile: QoSProfile) -> str:
     words = [profile.reliability.name.lower().replace('_', ' ')]
     if profile.durability is DurabilityPolicy.TRANSIENT_LOCAL:
-        words.append('transient local')
-    return ', '.join((*words, f'depth {profile.depth}'))
+        words.append('latched')
+    return ' '.join((*words, str(profile.depth)))
 
 
 def _range_text(spec: ParameterSpec) -> str:
+    """Say which values are allowed, with their unit."""
     if spec.metadata['choices']:
         return ', '.join(spec.metadata['choices'])
     low, high, above = (spec.metadata[name] for name in ('low', 'high', 'above'))
-    start = f'> {above:g}' if above is not None else f'≥ {low:g}' if math.isfinite(low) else ''
-    end = f'≤ {high:g}' if math.isfinite(high) else ''
-    return ', '.join(filter(None, (start, end)))
+    if math.isfinite(low) and math.isfinite(high):
+        text = f'{low:g}…{high:g}'
+    else:
+        limits = (f'>{above:g}' if above is not None else '',
+                  f'≥{low:g}' if math.isfinite(low) else '',
+                  f'≤{high:g}' if math.isfinite(high) else '')
+        text = ' '.join(filter(None, limits))
+    return f"{text} {spec.metadata['unit']}".strip()
 
 
 if __name__ == '__main__':
