@@ -32,7 +32,7 @@ setup(
     license=MANIFEST.findtext('license'),
     python_requires='>=3.10',
     packages=find_packages(include=['push_*'], exclude=['push_control_msgs*']),
-    package_data={'push_view': ['page/*']},
+    package_data={'push_scenario': ['dds/*.xml'], 'push_view': ['page/*']},
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (str(SHARE), ['package.xml']),
@@ -53,14 +53,13 @@ setup(
     zip_safe=False,
     entry_points={
         'console_scripts': [
+            'calibrate = push_ros.start:calibrate',
             'controller = push_ros.start:controller',
             'identify = push_ros.start:identify',
             'planner = push_ros.start:planner',
             'play = push_ros.start:play',
-            'push-study = push_ros.start:study',
             'replay = push_ros.start:replay',
             'sim = push_ros.start:sim',
-            'study = push_ros.start:study',
             'tf_tracker = push_ros.start:tf_tracker',
             'view = push_ros.start:view',
         ],

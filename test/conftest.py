@@ -4,11 +4,15 @@ import gc
 import os
 from typing import Any, Iterator
 
+from push_scenario.dds.private_network import make_process_private
 import pytest
+
+# No test is in the network of the user's robots, not even one that starts a node unawares.
+make_process_private()
 
 # Files and folders of tests that take long, the longest first: what begins last decides when all
 # processes have ended. The tests of one entry share results, hence a process.
-LONGEST = ('test/study/', 'test/scenario/test_dds_task.py', 'test/scenario/test_tasks.py',
+LONGEST = ('test/studies/', 'test/scenario/test_dds_task.py', 'test/scenario/test_tasks.py',
            'test/scenario/test_dds_replay.py', 'test/control/push/test_mpc_pushes.py',
            'test/control/task/test_supervisor.py', 'test/ros/test_commander.py',
            'test/ros/test_nodes.py')

@@ -22,9 +22,9 @@ REPORTS = {
 }
 LINK = re.compile(r'\]\(([^)\s]+)\)')
 CODE = re.compile(r'(?<!`)`([^`\n]+)`(?!`)')
-FILE = re.compile(r'(push_\w+|test|benchmarks|config|docs|examples|launch)/[\w./-]*\w/?$')
-DOTTED = re.compile(r'(push_\w+|benchmarks)(\.\w+)+$')
-COMMAND = re.compile(r'(?:python -m|\bm) (benchmarks[\w.]*|docs\.tools\.\w+)')
+FILE = re.compile(r'(push_\w+|studies|test|benchmarks|config|docs|examples|launch)/[\w./-]*\w/?$')
+DOTTED = re.compile(r'(push_\w+|studies|benchmarks)(\.\w+)+$')
+COMMAND = re.compile(r'(?:python -m|\bm) (benchmarks[\w.]*|studies|docs\.tools\.\w+)')
 EXAMPLE = re.compile(r'```python\n(.*?)```', re.DOTALL)
 
 

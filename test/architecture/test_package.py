@@ -14,7 +14,7 @@ from catkin_pkg.package import parse_package
 from catkin_pkg.package_version import get_forthcoming_label
 from helpers.architecture import GENERATED, ROOT
 from push_model.files import data
-from push_scenario.dds.processes import private_domain
+from push_scenario.dds.private_network import private_domain, private_environment
 import pytest
 from rcl_interfaces.srv import ListParameters
 import rclpy
@@ -39,9 +39,9 @@ def copy_of_the_sources(target):
 
 def outside(directory, domain=0):
     """Make an environment that knows nothing of the source tree or of a sourced ROS."""
-    environment = {key: value for key, value in os.environ.items() if key not in SOURCED}
+    environment = {key: value for key, value in private_environment(domain).items()
+                   if key not in SOURCED}
     environment.update(HOME=str(directory), ROS_LOG_DIR=str(directory / 'ros_log'))
-    environment.update(ROS_DOMAIN_ID=str(domain), ROS_AUTOMATIC_DISCOVERY_RANGE='LOCALHOST')
     return environment
 
 
@@ -89,9 +89,8 @@ def start(workspace, domain):
 
 
 @pytest.fixture
-def probe(monkeypatch, domain):
+def probe(domain):
     """Join the private domain of the nodes under test."""
-    monkeypatch.setenv('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
     context = Context()
     rclpy.init(context=context, domain_id=domain)
     node = rclpy.create_node('probe', context=context)
@@ -114,7 +113,7 @@ def stop(process):
     return process.communicate(timeout=PATIENCE)[0]
 
 
-@pytest.mark.parametrize('name', [*EXECUTABLES, 'play', 'replay', 'study'])
+@pytest.mark.parametrize('name', [*EXECUTABLES, 'play', 'replay'])
 def test_ros2_run_finds_the_executable(workspace, name):
     """It lies in lib/push_control and may be executed."""
     assert os.access(script(workspace, name), os.X_OK)
@@ -142,11 +141,6 @@ def test_all_data_are_installed(workspace):
         share = prefix / 'push_control'
         assert {path.relative_to(share) for path in (share / folder).rglob('*')
                 if path.is_file()} == wanted
-
-
-def test_installed_study_finds_its_values(workspace, start):
-    process = start(script(workspace, 'study'), 'list', '2.11')
-    assert 'ahead = 0.3 m (caption)' in process.communicate(timeout=PATIENCE)[0]
 
 
 def test_replay_tells_its_usage(workspace, start):

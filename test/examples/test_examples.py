@@ -15,7 +15,7 @@ SCRIPTS = {
     '01_plan_a_push': ('push of 1.61 m in 11.1 s', ['push.npz']),
     '02_simulate': ('within bounds                                 no       yes',
                     ['two_laws.png']),
-    '03_task': ('planned: 2 pushes', ['task.png']),
+    '03_task': ('first plan: a straight push', ['task.png']),
     '04_vary_a_parameter': ('true 0.30: failed', []),
 }
 # Run beside the nodes that it needs, by test/ros/test_commander.py.

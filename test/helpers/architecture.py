@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 ROOT = Path(__file__).resolve().parents[2]
 GENERATED = {'.git', '.venv', '.pytest_cache', '__pycache__', 'build', 'install', 'log', 'out'}
-PLAIN = ('push_model', 'push_dynamics', 'push_primitives', 'push_navigation', 'push_planner',
-         'push_control', 'push_sim_node', 'push_scenario')
+PLAIN = ('push_model', 'push_dynamics', 'push_primitives', 'push_navigation', 'push_base',
+         'push_safety', 'push_planner', 'push_control', 'push_sim_node', 'push_scenario')
 # What predicts pushes, below planner and controller.
 PREDICTION = {'push_model', 'push_dynamics', 'push_primitives', 'push_navigation'}
 MAY_IMPORT = {
@@ -21,12 +21,14 @@ MAY_IMPORT = {
     'push_navigation': {'push_model', 'push_dynamics'},
     'push_ros': {'push_model', 'push_navigation'},
     'push_planner': PREDICTION,
-    'push_control': PREDICTION,
+    'push_base': {'push_model', 'push_dynamics'},
+    'push_safety': {'push_model', 'push_dynamics', 'push_base'},
+    'push_control': PREDICTION | {'push_base', 'push_safety'},
     'push_sim_node': {'push_model', 'push_dynamics'},
     'push_tracker': {'push_model'},
     'push_scenario': set(PLAIN) - {'push_scenario'},
-    'push_study': set(PLAIN),
     'push_view': set(PLAIN),
+    'studies': set(PLAIN),
 }
 # What commands of the packages below it may import: they stand on top.
 FOR_COMMANDS = 'push_view'
@@ -34,13 +36,11 @@ ROS = re.compile(r'(rclpy|rosidl_\w+|ament_\w+|tf2_\w+|std_srvs|\w+_msgs|\w+_int
 LAUNCH = {'launch', 'launch_ros'}
 # Modules that list or re-export what lies below them, and stand on top of it.
 TOP_MODULES = {'__init__.py', 'catalogue.py', 'gallery.py'}
-# About a dozen; push_control/task, with a module for each behaviour, is the fullest.
-MOST_ENTRIES = 15
 # Positional parameters, self aside; what needs more takes keywords or a value that names them.
-MOST_POSITIONAL = 6
+MAX_POSITIONAL = 6
 WORD = re.compile(r'[A-Z]?[a-z]+|[A-Z]+(?![a-z])')
-WORDED = ('push_*/**/*.py', 'benchmarks/**/*.py', 'examples/*.py', 'docs/tools/*.py',
-          'config/**/*.yaml')
+WORDED = ('push_*/**/*.py', 'studies/**/*.py', 'benchmarks/**/*.py', 'examples/*.py',
+          'docs/tools/*.py', 'config/**/*.yaml')
 # Words of a private vocabulary, each of which has a term of the field in its place: see
 # docs/nomenclature.md.
 OLD_WORDS = {
@@ -64,8 +64,9 @@ class Import(NamedTuple):
 
 
 def modules(root):
-    """List the modules of all packages, as paths relative to the root."""
-    return sorted(path.relative_to(root) for path in root.glob('push_*/**/*.py'))
+    """List the modules of all packages and of the studies, as paths relative to the root."""
+    return sorted(path.relative_to(root) for pattern in ('push_*/**/*.py', 'studies/**/*.py')
+                  for path in root.glob(pattern))
 
 
 def files(root):
@@ -97,18 +98,20 @@ def is_shell(module):
 
 def is_entry_point(module):
     """Tell whether a module is a command or a node: it stands on top, and nobody imports it."""
-    return module.name.endswith('_node.py') or module.name == 'cli.py'
+    return module.name.endswith('_node.py') or module.name in ('cli.py', '__main__.py')
 
 
-def room(module):
+def room(module, parents):
     """
     Name the part of the house that a module belongs to.
 
-    That is its folder. Entry points and the public API of a package (its ``__init__.py``) stand
-    on top of the folder that they lie in.
+    That is its folder. Entry points, the public API of a package (its ``__init__.py``), and the
+    modules of a folder that has folders below it, stand for themselves: what a wing shares lies
+    beside its rooms, and so does what puts them together.
     """
-    on_top = is_entry_point(module) or module.name in TOP_MODULES
-    return module.as_posix() if on_top else module.parent.as_posix()
+    stands_alone = (is_entry_point(module) or module.name in TOP_MODULES
+                    or module.parent in parents)
+    return module.as_posix() if stands_alone else module.parent.as_posix()
 
 
 @functools.lru_cache(maxsize=1024)
@@ -186,13 +189,14 @@ def pure_on_shell(root):
 def cycle(root):
     """Find a cycle among the imports of rooms or modules; empty where there is none."""
     dotted = {'.'.join(module.with_suffix('').parts): module for module in modules(root)}
+    parents = {folder for module in dotted.values() for folder in module.parent.parents}
     by_module, by_room = {}, {}
     for name, module in dotted.items():
         targets = {target for found in imports(parse(root, module))
                    for target in (found.name, found.name.rpartition('.')[0]) if target in dotted}
         by_module[name] = targets - {name}
-        by_room.setdefault(room(module), set()).update(
-            room(dotted[target]) for target in targets)
+        by_room.setdefault(room(module, parents), set()).update(
+            room(dotted[target], parents) for target in targets)
     for name, targets in by_room.items():
         targets.discard(name)
     for graph in (by_module, by_room):
@@ -229,17 +233,6 @@ def dotted_name(node):
     return node.id if isinstance(node, ast.Name) else ''
 
 
-def crowded_folders(root):
-    """Find folders with more modules and sub-packages than a table of contents should have."""
-    entries = {}
-    for module in modules(root):
-        for child in (module, *list(module.parents)[:-2]):
-            if child.name != '__init__.py':
-                entries.setdefault(child.parent, set()).add(child.name)
-    return [f'{folder} has {len(names)} entries' for folder, names in entries.items()
-            if len(names) > MOST_ENTRIES]
-
-
 def long_signatures(root):
     """Find functions with more positional parameters than a caller can keep in order."""
     wrong = []
@@ -248,7 +241,7 @@ def long_signatures(root):
             if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)):
                 names = [arg.arg for arg in (*node.args.posonlyargs, *node.args.args)]
                 count = len(names) - (names[:1] in (['self'], ['cls']))
-                if count > MOST_POSITIONAL and not is_kernel(module):
+                if count > MAX_POSITIONAL and not is_kernel(module):
                     wrong.append(f'{module}:{node.lineno} {node.name} has {count}')
     return wrong
 

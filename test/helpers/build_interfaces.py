@@ -11,7 +11,7 @@ are empty. In a test:
             yield
 
     def test_something(interfaces):
-        from push_control_msgs.action import PushObject  # here, and in processes started here
+        from push_control_msgs.action import and in processes started here, PushObject  # here
 
 ``available_tf2_msgs`` does so for ``tf2_msgs/TFMessage``. Both skip the test, with the reason,
 where cmake, g++, the headers of Python or the generators are missing, and do nothing where the

@@ -3,8 +3,8 @@
 import math
 
 import numpy as np
-from push_control.estimation.contact_site import ContactSite
-from push_control.path.path import flat_output_pose
+from push_control.steered.estimation.contact_site import ContactSite
+from push_control.steered.path.path import flat_output_pose
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject
 from push_model.quasi_static import vehicle

@@ -5,7 +5,9 @@ from typing import NamedTuple
 
 from helpers.objects import box
 import numpy as np
-from push_control.localization.push_ensemble import OdometryNoise, PushEnsemble
+from push_control.perception.ensemble.contact_hypotheses import ContactHypotheses
+from push_control.perception.ensemble.ensemble_state import OdometryNoise
+from push_control.perception.ensemble.push_ensemble import PushEnsemble
 from push_control.settings import ControlSettings
 from push_model.geometry import Pose, wrap_angle
 from push_model.parameters import RoundRobot
@@ -28,7 +30,7 @@ TWO_PUSHES = (*ONE_PUSH, (-0.30, -0.55), (0.34, -0.60), (0.34, -0.15), (0.34, -0
 class Outcome(NamedTuple):
     """An ensemble after a run, and what is true."""
 
-    ensemble: PushEnsemble
+    ensemble: ContactHypotheses
     simulation: Simulation
     odometry: Odometry
 
@@ -59,29 +61,38 @@ def mirrored(points):
     return tuple((x, -y) for x, y in points)
 
 
+def drive(simulation, waypoints):
+    """Drive a robot along waypoints by its true pose, and yield its measurements."""
+    for point in (*waypoints, None):
+        end = math.inf if point else simulation.time + 0.5
+        while simulation.time < end:
+            measured = simulation.next_measurement()
+            yield measured
+            if not isinstance(measured, Odometry):
+                continue
+            if point and math.dist(simulation.truth.robot_pose[:2], point) < 0.01:
+                break
+            simulation.command(_towards(simulation.truth.robot_pose, point))
+
+
 def run(waypoints=ONE_PUSH, true=None, believed=None, sensors=SensorSettings(), noise=NOISE,
         seed=1, start=START, ensemble_seed=0):
     """
-    Drive a robot along waypoints by its true pose, and let an ensemble watch.
+    Drive a robot along waypoints by its true pose, and let contact hypotheses watch.
 
     :return: ``Outcome``.
     """
     simulation = Simulation(true or box(), ROBOT, HOME, start, SimulationSettings(seed=seed),
                             sensors)
-    ensemble = PushEnsemble(believed or box(), ROBOT, CONTROL, noise, ensemble_seed)
+    ensemble = ContactHypotheses(
+        PushEnsemble(believed or box(), ROBOT, CONTROL, noise, ensemble_seed))
     odometry = None
-    for point in (*waypoints, None):
-        end = math.inf if point else simulation.time + 0.5
-        while simulation.time < end:
-            measured = simulation.next_measurement()
-            if not isinstance(measured, Odometry):
-                ensemble.update(measured)
-                continue
+    for measured in drive(simulation, waypoints):
+        if isinstance(measured, Odometry):
             odometry = measured
             ensemble.predict(measured)
-            if point and math.dist(simulation.truth.robot_pose[:2], point) < 0.01:
-                break
-            simulation.command(_towards(simulation.truth.robot_pose, point))
+        else:
+            ensemble.update(measured)
     return Outcome(ensemble, simulation, odometry)
 
 

@@ -8,7 +8,7 @@ import sys
 import time
 
 from ament_index_python.packages import get_package_share_directory, PackageNotFoundError
-from push_scenario.dds.replay_client import local_discovery
+from push_scenario.dds.private_network import private_environment
 import pytest
 import rclpy
 from rclpy.context import Context
@@ -43,13 +43,11 @@ class Launched:
     """Launch files under way on one domain, and a node that sees what they have started."""
 
     def __init__(self, domain, folder):
-        self.environment = {**os.environ, 'ROS_DOMAIN_ID': str(domain),
-                            'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}
+        self.environment = private_environment(domain)
         self._folder = folder
         self._processes = []
         self._context = Context()
-        with local_discovery():
-            rclpy.init(args=[], context=self._context, domain_id=domain)
+        rclpy.init(args=[], context=self._context, domain_id=domain)
         self._node = rclpy.create_node('probe', context=self._context)
 
     def start(self, name, *arguments):

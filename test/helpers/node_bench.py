@@ -10,8 +10,8 @@ from push_ros.conversions.measurements import to_object_pose_message, to_odometr
 from push_ros.conversions.primitives import nanoseconds, to_stamp
 from push_ros.qos import LATCHED
 from push_ros.topics import TOPICS
-from push_scenario.dds.processes import NodeProcesses, private_domain
-from push_scenario.dds.replay_client import local_discovery
+from push_scenario.dds.private_network import private_domain
+from push_scenario.dds.processes import NodeProcesses
 import rclpy
 from rclpy.duration import Duration
 from rclpy.executors import SingleThreadedExecutor
@@ -214,8 +214,7 @@ def bench(folder, name, module, parameters):
     """
     with private_domain() as domain, NodeProcesses(domain, folder) as processes:
         context = rclpy.Context()
-        with local_discovery():
-            rclpy.init(args=[], context=context, domain_id=domain)
+        rclpy.init(args=[], context=context, domain_id=domain)
         node = rclpy.create_node('bench', context=context)
         executor = SingleThreadedExecutor(context=context)
         executor.add_node(node)

@@ -5,11 +5,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from push_control.observation import Observation
-from push_control.path.path import flat_output_pose
-from push_control.push.controller import Controller
+from push_control.steered.controller import Controller
+from push_control.steered.path.path import flat_output_pose
 from push_model.dubins import dubins_paths
 from push_model.geometry import Pose, wrap_angle
+from push_model.observation import Observation
 from push_model.parameters import PushedObject, RoundRobot, Support
 from push_model.quasi_static import vehicle
 from push_model.signals import Odometry

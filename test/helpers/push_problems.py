@@ -6,9 +6,9 @@ from typing import Any, Mapping
 from helpers.objects import bin_, box
 from push_model.geometry import Pose
 from push_model.parameters import Contact, PushedObject, RoundRobot
-from push_planner.plan import Plan
 from push_planner.problem import PlannerSettings, PushProblem
-from push_planner.single_push.planner import plan_push
+from push_planner.steered.plan import Plan
+from push_planner.steered.planner import plan_push
 import pytest
 
 DIFFERENTIAL = RoundRobot(radius=0.17, drive='differential')

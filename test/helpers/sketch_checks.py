@@ -9,9 +9,9 @@ from matplotlib.text import Annotation
 from matplotlib.transforms import Bbox
 import numpy as np
 from push_model.geometry import FloatArray
-from push_study.framework import plot_style
-from push_study.framework.runner import draw_figure
-from push_study.framework.study import Study
+from studies.framework import plot_style
+from studies.framework.runner import draw_figure
+from studies.framework.study import Study
 
 
 def drawn(study: Study, **overrides: Any) -> Figure:

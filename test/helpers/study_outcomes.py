@@ -1,10 +1,10 @@
-"""Computes studies in memory, with the values of config/studies.yaml or others."""
+"""Computes studies in memory, with the values of studies/values.yaml or others."""
 
 import functools
 from typing import Any, Callable, Sequence
 
-from push_study.framework.parameters import ChosenValues, read_chosen_values, Values
-from push_study.framework.study import Outcome, Record, SHORT_JOB, Study
+from studies.framework.parameters import ChosenValues, read_chosen_values, Values
+from studies.framework.study import Outcome, Record, SHORT_JOB, Study
 
 
 def run_in_memory(function: Callable[[Any], Record], jobs: Sequence[Any], /, *,
@@ -15,7 +15,7 @@ def run_in_memory(function: Callable[[Any], Record], jobs: Sequence[Any], /, *,
 
 @functools.lru_cache(maxsize=None)
 def chosen_values() -> ChosenValues:
-    """Read config/studies.yaml, once."""
+    """Read studies/values.yaml, once."""
     return read_chosen_values()
 
 

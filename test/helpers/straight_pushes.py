@@ -1,15 +1,16 @@
-"""Plans of unsteered pushes, as the plant drives them, and the primitives behind them."""
+"""Plans of straight pushes, as the plant drives them, and the primitives behind them."""
 
 import dataclasses
 import math
 
 import numpy as np
-from push_control.task.settings import SupervisionSettings
+from push_control.supervision_settings import SupervisionSettings
 from push_model.contact import find_contact
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
 from push_model.signals import Twist
-from push_model.trajectory import PushStyle, PushTrajectory
+from push_model.trajectory import PushLine, PushStyle, PushTrajectory
+from push_primitives.contact_places import contact_places
 from push_primitives.cost_settings import CostSettings
 from push_primitives.store import load_primitives
 from push_sim_node.plant import Plant
@@ -21,13 +22,13 @@ IDEAL = RoundRobot(radius=0.17, max_speed=1.0, max_acceleration=50.0, max_yaw_ac
 SPACING = 0.01
 
 
-def unsteered_push(obj, start, length, curvature=0.0, object_pose=Pose(0.0, 0.0, 0.0),
-                   speed=0.15):
+def straight_push(obj, start, length, curvature=0.0, object_pose=Pose(0.0, 0.0, 0.0),
+                  speed=0.15):
     """
     Simulate a push along an arc.
 
     :param start: ``Pose`` of the robot at first contact, heading along the push, object frame.
-    :return: ``PushTrajectory`` of style ``UNSTEERED``.
+    :return: ``PushTrajectory`` of style ``STRAIGHT``.
     """
     plant = Plant(obj, IDEAL, object_pose, object_pose @ start)
     count = max(2, math.ceil(length / SPACING))
@@ -43,7 +44,15 @@ def unsteered_push(obj, start, length, curvature=0.0, object_pose=Pose(0.0, 0.0,
         angles[:, 2] = np.unwrap(angles[:, 2])
     twists = [np.gradient(column, times, axis=0) for column in poses]
     columns = [column for pair in zip(poses, twists) for column in pair]
-    return PushTrajectory(times, *columns, style=PushStyle.UNSTEERED)
+    line = PushLine(start, curvature, length, _face(obj, poses[1][0, :2] - object_pose[:2],
+                                                    object_pose))
+    return PushTrajectory(times, *columns, style=PushStyle.STRAIGHT, line=line)
+
+
+def _face(obj, arm, object_pose):
+    """Find the face of the place that is next to the first contact."""
+    point = Pose(0.0, 0.0, -object_pose.theta).rotate(arm)
+    return min(contact_places(obj), key=lambda place: math.dist(place.point, point)).face
 
 
 def _row(plant, obj):
