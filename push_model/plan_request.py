@@ -106,5 +106,4 @@ class PlanFailure(enum.Enum):
     BLOCKED = 'obstacles or the end of the map are in the way'
     INVALID_REQUEST = 'the request cannot be read'
     INVALID_PLAN = 'the plan cannot be used'
-    NO_ANSWER = 'the planner has not answered in time'
     INTERNAL_ERROR = 'the planner has made an error'

@@ -25,10 +25,8 @@ class SafetyReason(enum.Enum):
 
     # The command cannot be sent.
     COMMAND_NOT_FINITE = 'the command is not finite: {command}'
-    INTERNAL_ERROR = 'internal error: {error}'
 
     # What commands rest on does not come.
-    ODOMETRY_MISSING = 'no odometry for {age:.2f} s'
     CLOCK_FELL_BACK = 'the clock of odometry has fallen back by {shift:.2f} s'
 
     # The robot does not do what it is commanded to do.

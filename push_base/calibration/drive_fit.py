@@ -60,8 +60,6 @@ MAX_DEVIATION = 0.2
 CORRELATED = 20
 # Commands and samples that are needed.
 MIN_SAMPLES = 50
-# Time in which the motion that a segment commands may still be seen [s].
-TAIL = 0.5
 FITTED = {Purpose.STEP, Purpose.LEVELS, Purpose.TURN, Purpose.LINE, Purpose.SETTLE,
           Purpose.RETURN}
 

@@ -176,7 +176,7 @@ class ProgressMonitor:
         return self._spins >= MAX_SPINS
 
     def forget_safety_stops(self) -> None:
-        """Count stops anew: somebody has looked after the robot."""
+        """Count stops from zero again: somebody has looked after the robot."""
         self._safety_stops = 0
 
     def count_push(self, repeats_pose: bool) -> None:

@@ -246,6 +246,8 @@ class Supervisor(TaskExecution):
         if self._behavior.resume():
             return
         if self.state is TaskState.PAUSED or self.awaits_resume:
+            if self.awaits_resume:
+                self._progress.forget_safety_stops()
             self._reasons.resume()
             self._enter(self._machine.restart_state, 'resumed', is_requested=True)
 

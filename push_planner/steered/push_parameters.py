@@ -13,7 +13,7 @@ the contact travels along a face and R_disc the object's radius where it travels
 
 from collections.abc import Sequence
 import math
-from typing import Any, get_args, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -24,7 +24,6 @@ from push_model.geometry import FloatArray
 # How the contact moves with the robot: held in place on the object by a robot that rotates with
 # it, rolling on a robot that does not rotate, or held by a differential drive, which steers.
 PushKind = Literal['held', 'rolling', 'differential']
-PUSH_KINDS: tuple[PushKind, ...] = get_args(PushKind)
 # Distance that plans keep between the normal at a vertex and those of its two faces [rad]. Chosen:
 # about 1 degree, the accuracy of measured headings.
 VERTEX_MARGIN = 0.02

@@ -4,6 +4,7 @@ import dataclasses
 import math
 from typing import NamedTuple
 
+from push_control.behaviors.progress import MAX_SAFETY_STOPS
 from push_control.settings import ControlSettings
 from push_control.steered.controller import Controller
 from push_control.task.stand_reasons import STOP_TIME_LIMIT
@@ -20,6 +21,7 @@ import pytest
 SCENARIO = load_scenario('task_tap')
 PERIOD = 0.02
 LIMIT = ControlSettings().standstill_limit
+LATE = SafetyReason.FOLLOWS_LATE.report(delay=0.5)
 STOOD = SafetyReason.BASE_STOOD.report(duration=3.0)
 
 
@@ -150,6 +152,23 @@ def test_a_task_waits_without_an_end_and_goes_on_when_it_is_told() -> None:
     made.resume()
     assert not made.awaits_resume and made.state is TaskState.PLAN
     assert made.history[-1].reason == 'resumed'
+
+
+def test_whoever_lets_a_task_go_on_has_looked_after_the_stops_before() -> None:
+    """A base that is stopped by hand, once in each attempt, ends no task."""
+    made = Supervisor(SCENARIO.object, SCENARIO.robot, SCENARIO.control, SCENARIO.task.drive,
+                      SCENARIO.task.supervision)
+    made.set_goal(SCENARIO.goal.pose)
+    for _ in range(2 * MAX_SAFETY_STOPS):
+        made.on_safety_report(None, LATE)
+        made.on_safety_report(None, STOOD)
+        made.resume()
+        made.on_safety_report(None, None)
+    assert made.state is not TaskState.FAILED
+    for _ in range(MAX_SAFETY_STOPS):
+        made.on_safety_report(None, LATE)
+        made.on_safety_report(None, None)
+    assert made.state is TaskState.FAILED
 
 
 def test_another_goal_lets_a_task_go_on_and_the_end_of_it_does_not_move_the_robot() -> None:

@@ -73,7 +73,6 @@ class SolverFailure(enum.Enum):
     PROBLEM_NOT_FINITE = 'the problem is not finite'
     SOLUTION_NOT_FINITE = 'the solution is not finite'
     LIMITS_NOT_MET = 'the solver was stopped before it met the limits'
-    NOT_CONVERGED = 'the solver did not converge'
 
 
 class SolverReport(NamedTuple):

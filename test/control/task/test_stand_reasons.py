@@ -68,7 +68,7 @@ def test_a_stop_that_lasts_becomes_a_failure(duration, failure):
     """From when the robot was stopped, however often that is reported, and for what reason."""
     reasons = StandReasons()
     assert reasons.on_stop(LATE, 3.0)
-    assert not reasons.on_stop(SafetyReason.ODOMETRY_MISSING.report(age=1.0), 4.0)
+    assert not reasons.on_stop(SafetyReason.CLOCK_FELL_BACK.report(shift=1.0), 4.0)
     assert reasons.first(3.0 + duration).failure is failure
     reasons.on_stop(None, 5.0)
     assert reasons.on_stop(LATE, 6.0)
