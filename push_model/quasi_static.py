@@ -98,7 +98,7 @@ def vehicle(obj: PushedObject, contact_point: Coordinates,
     return vehicle_along((x_c, y_c), arm, angle, square)
 
 
-class StraightPush(NamedTuple):
+class SlowStraightPush(NamedTuple):
     """
     An object that is pushed straight, loads transferred; first order about that motion.
 
@@ -111,7 +111,7 @@ class StraightPush(NamedTuple):
 
 
 def straight_push(obj: PushedObject, contact_point: tuple[float, float], angle: float,
-                  center: tuple[float, float] | None = None) -> StraightPush:
+                  center: tuple[float, float] | None = None) -> SlowStraightPush:
     """
     Centre of friction and c^2 of an object that slides in one direction.
 
@@ -132,7 +132,7 @@ def straight_push(obj: PushedObject, contact_point: tuple[float, float], angle: 
     slide = straight_slide(obj.contact_height, sliding_rows(obj), angle)
     x, y = slide.center if center is None else center
     arm = (x - contact_point[0]) * math.cos(angle) + (y - contact_point[1]) * math.sin(angle)
-    return StraightPush((x, y), slide.c_squared * arm / (arm - slide.shift))
+    return SlowStraightPush((x, y), slide.c_squared * arm / (arm - slide.shift))
 
 
 class StraightSlide(NamedTuple):

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from push_scenario.definition.catalogue import scenario_names
     from push_scenario.definition.loader import load_scenario, scenario_from_text, scenario_text
     from push_scenario.definition.placement import Placement
-    from push_scenario.definition.scenario import Bounds, Scenario, Start
+    from push_scenario.definition.scenario import GoalBounds, Scenario, Start
     from push_scenario.definition.task import LaterGoal, Task
     from push_scenario.evaluation.metrics import is_as_expected, measure, Metrics
     from push_scenario.evaluation.report import format_report
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from push_scenario.simulation.result import Outcome, RunResult
 
 __all__ = [
-    'Bounds', 'draw_animation', 'draw_figure', 'format_report', 'is_as_expected', 'LaterGoal',
+    'GoalBounds', 'draw_animation', 'draw_figure', 'format_report', 'is_as_expected', 'LaterGoal',
     'load_scenario', 'measure', 'Metrics', 'Outcome', 'ParameterFileError', 'Placement',
     'Progress', 'progress_bar', 'read_object', 'read_robot', 'run_many', 'RunResult', 'Scenario',
     'scenario_from_text', 'scenario_names', 'scenario_text', 'simulate', 'simulate_many', 'Start',
@@ -45,7 +45,7 @@ __getattr__, __dir__ = lazy_names(__name__, {
     'push_scenario.definition.catalogue': ('scenario_names',),
     'push_scenario.definition.loader': ('load_scenario', 'scenario_from_text', 'scenario_text'),
     'push_scenario.definition.placement': ('Placement',),
-    'push_scenario.definition.scenario': ('Bounds', 'Scenario', 'Start'),
+    'push_scenario.definition.scenario': ('GoalBounds', 'Scenario', 'Start'),
     'push_scenario.definition.task': ('LaterGoal', 'Task'),
     'push_scenario.evaluation.metrics': ('is_as_expected', 'measure', 'Metrics'),
     'push_scenario.evaluation.report': ('format_report',),

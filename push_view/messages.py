@@ -22,7 +22,7 @@ from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.path import Path
 from push_planner.task_planner import TaskPlan
 from push_scenario.definition.floor_map import FREE, OCCUPIED
-from push_scenario.definition.scenario import Bounds, Scenario
+from push_scenario.definition.scenario import GoalBounds, Scenario
 from push_view.wall_contact import WallContact
 
 Message = dict[str, Any]
@@ -35,7 +35,8 @@ PLAN_SAMPLES = 40
 
 
 def scene_message(title: str, obj: PushedObject, robot: RoundRobot, columns: Sequence[str], *,
-                  description: str = '', law: str = '', bounds: Bounds | None = None) -> Message:
+                  description: str = '', law: str = '',
+                  bounds: GoalBounds | None = None) -> Message:
     """
     Describe what there is; a scene starts a new run.
 
@@ -43,7 +44,7 @@ def scene_message(title: str, obj: PushedObject, robot: RoundRobot, columns: Seq
     :param columns: names of the columns of its rows.
     :param description: what the run shows, a sentence or more.
     :param law: control law of the run.
-    :param bounds: ``Bounds`` of the errors at the end; None where they are not known.
+    :param bounds: ``GoalBounds`` of the errors at the end; None where they are not known.
     """
     return {
         'type': 'scene', 'title': title, 'description': ' '.join(description.split()), 'law': law,

@@ -22,7 +22,7 @@ from push_ros.node_settings import Frames
 from push_ros.topic_watch import TopicWatch
 from push_ros.topics import CONTROLLER
 from push_ros.transforms.world import Handlers, WorldFrame
-from push_view.live.robot_record import RobotRecord
+from push_view.live.robot_record import RobotRecorder
 from push_view.messages import controls_message
 from push_view.ros.relay import CommandRelay
 from push_view.server.commands import CALLS
@@ -94,7 +94,7 @@ class ViewNode(PushNode):
         self._options = options
         self._log = MessageLog()
         title = f'robot {self.get_namespace()}'.rstrip(' /')
-        self._record = RobotRecord(self._log, title, obj, robot)
+        self._record = RobotRecorder(self._log, title, obj, robot)
         self._world = WorldFrame(self, self._frames.world_frame, options.transform_timeout)
         self._relay = CommandRelay(self, self._log, self._frames.world_frame, options.control)
         self._controller = f'{self.get_namespace()}/{CONTROLLER}'.lstrip('/')

@@ -48,7 +48,7 @@ def approach_direction(robot: RoundRobot, target: PushTrajectory, start: Pose) -
     return start.theta + float(target.contact_poses[0][2] - target.robot_poses[0][2])
 
 
-class Approach(Behavior[TaskPerception]):
+class StandoffApproach(Behavior[TaskPerception]):
     """Drives round the object to the pre-push pose, at a standoff from the contact."""
 
     def __init__(self, context: BehaviorContext, target: PushTrajectory) -> None:
@@ -159,7 +159,7 @@ class Approach(Behavior[TaskPerception]):
                     start.theta)
 
 
-class MovingApproach(Approach):
+class MovingApproach(StandoffApproach):
     """Drives round the object on to the line of a straight push, without a stop before it."""
 
     def __init__(self, context: BehaviorContext, target: PushTrajectory) -> None:

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 from push_control.behaviors.failures import BehaviorFailure
-from push_control.perception.contact_consistency import Contact
+from push_control.perception.contact_consistency import Touch
 from push_control.perception.object_at_rest import ObjectAtRest
 from push_model.geometry import Pose
 
@@ -127,13 +127,13 @@ class PushProgress:
         return self.pushed > limit or self.time > TIMEOUT + limit / MIN_SPEED
 
     @property
-    def contact(self) -> Contact:
+    def contact(self) -> Touch:
         """Compare how the object has moved with how the robot has."""
         driven, moved = math.hypot(*self.driven), math.hypot(*self.moved)
         if min(driven, moved) < MIN_COMPARED:
-            return Contact.TAPPED
+            return Touch.TAPPED
         is_along = float(np.dot(self.driven, self.moved)) > MIN_ALONG * driven * moved
-        return Contact.PUSHED if is_along else Contact.LATERAL
+        return Touch.PUSHED if is_along else Touch.LATERAL
 
 
 def decide(progress: PushProgress) -> Steer | Stop | Miss:

@@ -17,7 +17,7 @@ from push_control.behaviors.obstacle_guard import blocks_push, ObstacleGuard
 from push_control.behaviors.push_progress import (
     decide, MIN_SPEED, Miss, PushProgress, Stage, Steer, Stop, UNEXPECTED_DISTANCE, UNMEASURED)
 from push_control.behaviors.rollout_law import RolloutLaw
-from push_control.perception.contact_consistency import Contact
+from push_control.perception.contact_consistency import Touch
 from push_control.perception.ensemble.contact_hypotheses import ContactHypotheses
 from push_control.perception.object_at_rest import Tap
 from push_control.perception.perception import TaskPerception
@@ -334,7 +334,7 @@ class StraightPush(Behavior[TaskPerception]):
                          or progress.stopping_time >= timeout)
         if self.finished and progress.has_moved:
             perception.on_push_succeeded(progress.contact)
-        is_tap = progress.contact is Contact.TAPPED or not progress.has_moved
+        is_tap = progress.contact is Touch.TAPPED or not progress.has_moved
         if self.finished and is_tap:
             perception.on_tapped(self._tap(progress, perception.robot_pose))
         return STOP

@@ -24,7 +24,7 @@ FITTING_STD = 0.055
 LATERAL_SIGMAS = 3.0
 
 
-class Contact(enum.Enum):
+class Touch(enum.Enum):
     """What a contact, or one that there should have been, has shown."""
 
     # The object has moved as the robot has.
@@ -61,21 +61,21 @@ class ContactConsistency:
         # What taps have moved the object to the side [m], and the variance of that [m^2].
         self._lateral_excess = self._lateral_variance = 0.0
 
-    def add(self, contact: Contact, position_std: float) -> None:
+    def add(self, contact: Touch, position_std: float) -> None:
         """
         Count a contact.
 
         :param position_std: standard deviation of the robot's position after it [m].
         """
-        if contact is Contact.WITHOUT_EFFECT:
+        if contact is Touch.WITHOUT_EFFECT:
             self.pushes_without_effect += 1
-        elif contact is not Contact.UNEXPECTED:
+        elif contact is not Touch.UNEXPECTED:
             self.pushes_without_effect = 0
-        if contact is Contact.PUSHED and position_std <= FITTING_STD:
+        if contact is Touch.PUSHED and position_std <= FITTING_STD:
             self._contradictions = 0
             self._clear_taps()
-        elif contact is not Contact.TAPPED and not (
-                contact is Contact.PUSHED and position_std < self._std):
+        elif contact is not Touch.TAPPED and not (
+                contact is Touch.PUSHED and position_std < self._std):
             # A push that makes a robot better known has moved the object.
             self._contradictions += 1
         self._std = position_std

@@ -11,7 +11,7 @@ import math
 from typing import Protocol
 
 import numpy as np
-from push_control.perception.contact_consistency import Contact, ContactConsistency
+from push_control.perception.contact_consistency import ContactConsistency, Touch
 from push_control.perception.displacement import Displacement, DisplacementWatch
 from push_control.perception.ensemble.ensemble_state import RobotMemory
 from push_control.perception.lost_robot_events import (
@@ -196,7 +196,7 @@ class LostRobotMonitor:
 
     @observe.register
     def _on_object_tapped(self, _: ObjectTapped) -> None:
-        self._add_contact(Contact.TAPPED)
+        self._add_contact(Touch.TAPPED)
 
     @observe.register
     def _on_tap_compared(self, event: TapCompared) -> None:
@@ -204,7 +204,7 @@ class LostRobotMonitor:
 
     @observe.register
     def _on_push_without_effect(self, event: PushWithoutEffect) -> Verdict:
-        self._add_contact(Contact.WITHOUT_EFFECT)
+        self._add_contact(Touch.WITHOUT_EFFECT)
         if not self.is_lost:
             return None
         return (self._infer_slip(event.object_pose, is_touching=False)
@@ -212,14 +212,14 @@ class LostRobotMonitor:
 
     @observe.register
     def _on_unexpected_contact(self, event: UnexpectedContact) -> Verdict:
-        self._add_contact(Contact.UNEXPECTED)
+        self._add_contact(Touch.UNEXPECTED)
         if self.is_lost or self._unexplained_moves:
             return self._infer_slip(event.object_pose, is_touching=True)
         return None
 
     @observe.register
     def _on_lost_robot_touched(self, event: LostRobotTouched) -> Verdict:
-        self._add_contact(Contact.TAPPED)
+        self._add_contact(Touch.TAPPED)
         return self._infer_slip(event.object_pose, is_touching=True)
 
     @observe.register
@@ -240,7 +240,7 @@ class LostRobotMonitor:
         return (self._infer_slip(event.object_pose, is_touching=True)
                 or PlaceRobot(self._pose_behind(event.before, event.after), BEHIND_OBJECT_STD))
 
-    def _add_contact(self, contact: Contact) -> None:
+    def _add_contact(self, contact: Touch) -> None:
         self._contacts.add(contact, self._estimate.position_deviation)
 
     def _infer_slip(self, object_pose: Pose, is_touching: bool) -> PlaceRobot | None:

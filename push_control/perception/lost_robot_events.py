@@ -7,7 +7,7 @@ The first half is what ``LostRobotMonitor`` observes, the second half how it ans
 import dataclasses
 from typing import NamedTuple
 
-from push_control.perception.contact_consistency import Contact
+from push_control.perception.contact_consistency import Touch
 from push_control.perception.ensemble.ensemble_state import RobotMemory
 from push_control.perception.object_at_rest import TapMotion
 from push_model.geometry import Pose
@@ -69,7 +69,7 @@ class PushSucceeded:
     :param time: now [s].
     """
 
-    contact: Contact
+    contact: Touch
     time: float
 
 

@@ -3,7 +3,7 @@
 import math
 
 from push_base.base_model import BaseModel, MotionAhead
-from push_control.perception.contact_consistency import Contact
+from push_control.perception.contact_consistency import Touch
 from push_control.perception.localization import Localization
 from push_control.perception.lost_robot import LostRobotMonitor
 from push_control.perception.lost_robot_events import (
@@ -300,11 +300,11 @@ class TaskPerception(RawPerception):
         if self.localization.is_initialized:
             self._observe(OdometryFault(has_jumped))
 
-    def on_push_succeeded(self, contact: Contact = Contact.PUSHED) -> None:
+    def on_push_succeeded(self, contact: Touch = Touch.PUSHED) -> None:
         """
         Note that a push has moved the object, so that the robot is where it is estimated to be.
 
-        :param contact: ``Contact``, but for those that have not moved it.
+        :param contact: ``Touch``, but for those that have not moved it.
         """
         self._tap = None
         self._observe(PushSucceeded(contact, self.time))

@@ -4,7 +4,7 @@ import math
 import time
 from typing import Any, NamedTuple, TYPE_CHECKING
 
-from push_control.ros.measurements import OdometryCheck, OdometryState, OdometryWatchdog
+from push_control.ros.measurements import ClockCheck, OdometryState, OdometryWatchdog
 from push_control.ros.other_commanders import OtherCommanders
 from push_control.ros.parameters import ControllerParameters
 from push_control.settings import ControlSettings
@@ -176,6 +176,6 @@ class CommandGate:
                 'the object looks the same: taken as a mistake of the tracker '
                 '(control.heading_count)')
 
-    def check_odometry(self) -> OdometryCheck:
+    def check_odometry(self) -> ClockCheck:
         """Find out how long odometry has been missing."""
         return self._watchdog.check(self._node.get_clock().now().nanoseconds, time.monotonic())

@@ -14,7 +14,7 @@ from push_ros.map_reader import MapReader, ReadMap
 NO_MAP = 'no map has come, and map_required is true'
 
 
-class Floor:
+class LiveMap:
     """Reads maps, and clears the footprints of object and robot from them."""
 
     def __init__(self, parameters: ControllerParameters, *, is_needed: bool) -> None:

@@ -108,7 +108,7 @@ class _Arrival(NamedTuple):
     now: float
 
 
-class OdometryCheck(NamedTuple):
+class ClockCheck(NamedTuple):
     """
     Result of a look at the clock.
 
@@ -189,7 +189,7 @@ class OdometryWatchdog:
             return (clock - self._received.clock) * NANOSECOND
         return age
 
-    def check(self, clock: int, now: float) -> OdometryCheck:
+    def check(self, clock: int, now: float) -> ClockCheck:
         """
         Find out how long odometry has been missing.
 
@@ -208,4 +208,4 @@ class OdometryWatchdog:
         is_news = state > self._reported or is_lost_again
         if is_news or now - self._missing_at > RECOVERY_TIME:
             self._reported = state
-        return OdometryCheck(state, age, is_news)
+        return ClockCheck(state, age, is_news)

@@ -4,7 +4,7 @@ import math
 from typing import Any
 
 from push_control.perception.object_at_rest import has_moved
-from push_control.ros.floor import Floor
+from push_control.ros.floor import LiveMap
 from push_control.ros.parameters import ControllerParameters
 from push_control.ros.plan_requests import PlanRequester
 from push_control.ros.start_state import StartState
@@ -32,7 +32,7 @@ class PlanEntry:
     newest goal while the push to the one before goes on, one sentence; else empty.
     """
 
-    def __init__(self, node: PushNode, parameters: ControllerParameters, floor: Floor,
+    def __init__(self, node: PushNode, parameters: ControllerParameters, floor: LiveMap,
                  reporter: TaskReporter) -> None:
         """
         Start without a request.

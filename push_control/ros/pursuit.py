@@ -7,7 +7,7 @@ import time
 from typing import Any, TypeVar
 
 from push_control.goal import GoalOutcome, GoalProgress, PushGoal, PushState
-from push_control.ros.floor import Floor
+from push_control.ros.floor import LiveMap
 from push_control.ros.measurements import CovarianceCheck
 from push_control.ros.objects.knowledge import KnowledgeFile, KnowledgeMemory
 from push_control.ros.parameters import ControllerParameters
@@ -56,7 +56,7 @@ class GoalPursuit:
         file = KnowledgeFile(Path(options.knowledge_file)) if options.knowledge_file else None
         self._memory = KnowledgeMemory(parameters.object, parameters.supervision, file, time.time)
         self._covariance_check = CovarianceCheck(parameters.supervision)
-        self._floor = Floor(parameters, is_needed=options.task)
+        self._floor = LiveMap(parameters, is_needed=options.task)
         # The request for which footprints were last cleared.
         self._cleared_for: PlanRequest | None = None
         self._goal: PushGoal | None = None

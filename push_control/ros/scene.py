@@ -32,7 +32,7 @@ FOOTPRINT_RATE = 5.0
 TRANSFORM_RATE = 20.0
 
 
-class Scene(NamedTuple):
+class EstimatedScene(NamedTuple):
     """
     Robot and object as estimated.
 
@@ -50,7 +50,7 @@ class Scene(NamedTuple):
 class _Output(NamedTuple):
     """What is published now and then, how often, and where."""
 
-    publish: Callable[[Scene, Time], None]
+    publish: Callable[[EstimatedScene, Time], None]
     limiter: RateLimiter
     publisher: Publisher
 
@@ -109,12 +109,13 @@ class ScenePublisher:
         self._plan = plan
         self._draw_plan(stamp)
 
-    def publish(self, time: float, make_scene: Callable[[], Scene | None]) -> None:
+    def publish(self, time: float, make_scene: Callable[[], EstimatedScene | None]) -> None:
         """
         Publish what is due, for those who listen.
 
         :param time: of the newest measurement [s].
-        :param make_scene: makes the ``Scene`` of that time; None where there is nothing to show.
+        :param make_scene: makes the ``EstimatedScene`` of that time, or None where there is
+            nothing to show.
         """
         due = [publish for publish, limiter, publisher in self._outputs
                if limiter.due(time) and publisher.get_subscription_count()]
@@ -124,21 +125,21 @@ class ScenePublisher:
             for publish in due:
                 publish(scene, stamp)
 
-    def _publish_transform(self, scene: Scene, stamp: Time) -> None:
+    def _publish_transform(self, scene: EstimatedScene, stamp: Time) -> None:
         assert self._transform_type is not None and self._transforms is not None
         pose = scene.estimate.pose
         transform = RigidTransform.from_angles((pose.x, pose.y, 0.0), (0.0, 0.0, pose.theta))
         self._transforms.publish(self._transform_type(transforms=[to_transform_message(
             transform, stamp, self._frames.world_frame, self._frames.object_frame)]))
 
-    def _publish_footprint(self, scene: Scene, stamp: Time) -> None:
+    def _publish_footprint(self, scene: EstimatedScene, stamp: Time) -> None:
         vertices = robot_footprint(self._robot)
         if scene.is_pushing:
             vertices = pushing_footprint(self._robot, self._object, scene.robot_pose,
                                          scene.estimate.pose)
         self._footprint.publish(to_footprint_message(vertices, stamp, self._frames.base_frame))
 
-    def _draw(self, scene: Scene, stamp: Time) -> None:
+    def _draw(self, scene: EstimatedScene, stamp: Time) -> None:
         header = self._header('controller', stamp)
         drawn = [scene_markers(header, self._object, self._robot, scene.estimate.pose,
                                scene.robot_pose, color=BELIEVED),

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from push_control.ros.scene import Scene, ScenePublisher
+from push_control.ros.scene import EstimatedScene, ScenePublisher
 from push_control.task.status import StateChange, SupervisorStatus, TaskState
 from push_control.task.supervisor import Supervisor
 from push_model.geometry import Pose
@@ -57,12 +57,12 @@ class TaskReporter:
 
         :param time: of the newest measurement [s].
         """
-        def make_scene() -> Scene | None:
+        def make_scene() -> EstimatedScene | None:
             status, estimate = supervisor.status, supervisor.object_estimate
             if estimate is None or status.robot_pose is None:
                 return None
-            return Scene(status.robot_pose, estimate, status.state is TaskState.PUSH,
-                         _sentence(status.state, status.reason))
+            return EstimatedScene(status.robot_pose, estimate, status.state is TaskState.PUSH,
+                                  _sentence(status.state, status.reason))
         self._scene.publish(time, make_scene)
 
     def warn(self, text: str, observation: Observation) -> None:

@@ -5,10 +5,10 @@ import math
 import numpy as np
 from push_control.settings import ControlSettings
 from push_control.steered import step_kernel
-from push_control.steered.estimation.contact_site import ContactSite, initial_contact_site
+from push_control.steered.estimation.contact_site import initial_contact_site, RollingContact
 from push_control.steered.estimation.filter_kernel import MEMORY_SIZE
 from push_control.steered.estimation.limit_surface_table import LimitSurfaceTable
-from push_control.steered.estimation.push_motion import PushMotion, PushState
+from push_control.steered.estimation.push_motion import MotionState, PushMotion
 from push_control.steered.laws.contact_steering import SteeringCommand
 from push_control.steered.path.guidance import Guidance
 from push_control.steered.path.path import CurvatureLimits
@@ -80,7 +80,7 @@ class ContactModel:
         self.memory: FloatArray = np.zeros(MEMORY_SIZE)
         self._limits: FloatArray = np.zeros(2)
 
-    def initial_site(self, target: PushTrajectory) -> ContactSite:
+    def initial_site(self, target: PushTrajectory) -> RollingContact:
         """
         Find the contact that another target starts from.
 
@@ -100,7 +100,7 @@ class ContactModel:
         """
         Look at the push at one control step, and project z ahead on its path.
 
-        :param memory: of the filter, see ``filter_kernel``; of its ``ContactSite`` here.
+        :param memory: of the filter, see ``filter_kernel``; of its ``RollingContact`` here.
         :param interval: from the time of its ``latest`` until now [s].
         :param guidance: ``Guidance``, the projection of which is written.
         :return: whether z is near its path, and that keeps to the limits.
@@ -123,9 +123,9 @@ class ContactModel:
         self._step[COMMAND:EXPECTED] = 0.0
 
     @property
-    def ahead(self) -> PushState:
-        """``PushState`` one drive lag ahead."""
-        return PushState(*self._step[AHEAD:NORMAL_NOW].tolist())
+    def ahead(self) -> MotionState:
+        """``MotionState`` one drive lag ahead."""
+        return MotionState(*self._step[AHEAD:NORMAL_NOW].tolist())
 
     @property
     def vehicle(self) -> Vehicle:

@@ -5,7 +5,7 @@ import math
 from typing import NamedTuple
 
 from push_control.settings import ControlSettings
-from push_control.steered.estimation.contact_site import ContactSite
+from push_control.steered.estimation.contact_site import RollingContact
 from push_control.steered.path.path import CurvatureLimits
 from push_dynamics.compiled import compiled, wrap_angles
 from push_model.events import EventReport, PushEvent
@@ -26,7 +26,7 @@ JACKKNIFE_EVENTS = (None, PushEvent.TURNED_OFF_VERTEX, PushEvent.PUSH_OUT_OF_CON
 
 
 @compiled
-def jackknife_mode(site: ContactSite, normal: float, push_angle: float) -> int:
+def jackknife_mode(site: RollingContact, normal: float, push_angle: float) -> int:
     """
     Tell whether the contact has turned beyond recovery.
 

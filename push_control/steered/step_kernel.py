@@ -18,7 +18,8 @@ from push_control.steered.estimation.filter_kernel import (
 from push_control.steered.estimation.limit_surface_table import TABLE_SIZE
 from push_control.steered.laws.command import mean_twist
 from push_control.steered.laws.contact_steering import (
-    approach_command, curvature_limits, Steering, steering_command, zeta_at_rest, zeta_limits)
+    approach_command, curvature_limits, Steering, steering_command, zeta_at_rest, zeta_limits,
+)
 from push_control.steered.path.path import is_kept, write_projection
 from push_dynamics.compiled import compiled, wrap_angles
 from push_model import friction, quasi_static

@@ -2,7 +2,7 @@
 
 from push_control.settings import ControlSettings
 from push_control.steered.estimation.contact_detection import ContactDetector, ContactState
-from push_control.steered.estimation.contact_site import ContactSite
+from push_control.steered.estimation.contact_site import RollingContact
 from push_control.steered.estimation.dead_reckoning import RobotDeadReckoning, RobotMotion
 from push_control.steered.estimation.estimator import Estimator
 from push_control.steered.estimation.push_motion import PushMotion
@@ -48,8 +48,8 @@ class PushTracker:
         return self._estimator.travelled_distance
 
     @property
-    def site(self) -> ContactSite:
-        """The ``ContactSite`` as it is by now."""
+    def site(self) -> RollingContact:
+        """The ``RollingContact`` as it is by now."""
         return self._estimator.motion.site
 
     @property

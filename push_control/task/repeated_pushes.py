@@ -3,7 +3,7 @@
 import dataclasses
 import math
 
-from push_control.behaviors.approach import Approach, MovingApproach
+from push_control.behaviors.approach import MovingApproach, StandoffApproach
 from push_control.behaviors.behavior import Behavior, BehaviorContext, Stand
 from push_control.behaviors.guarded_approach import GuardedApproach
 from push_control.behaviors.inspection import Inspection
@@ -106,7 +106,7 @@ class RepeatedPushBehaviors(BehaviorFactory):
     def _approach(self, context: BehaviorContext, target: PushTrajectory,
                   perception: TaskPerception) -> Behavior[TaskPerception]:
         if not target.style.is_straight:
-            return Approach(context, target)
+            return StandoffApproach(context, target)
         # Now, while the robot stands: at the first time and after a change of settings it may
         # take long. The push that follows without a stop has the same.
         self._prepared = self._load_primitives(perception)

@@ -80,7 +80,7 @@ class Start:
 
 
 @dataclasses.dataclass(frozen=True)
-class Bounds:
+class GoalBounds:
     """How close to the goal the object must come to rest."""
 
     position_error: float = quantity('distance from the goal', 'm', above=0.0, high=10.0,
@@ -116,7 +116,7 @@ class Scenario:
     sensors: SensorSettings = dataclasses.field(default_factory=SensorSettings)
     simulation: SimulationSettings = dataclasses.field(default_factory=SimulationSettings)
     task: Task | None = None
-    bounds: Bounds = dataclasses.field(default_factory=Bounds)
+    bounds: GoalBounds = dataclasses.field(default_factory=GoalBounds)
     time_limit: float = quantity('simulated time after which the run is given up', 's', above=0.0,
                                  high=3600.0, default=120.0)
     expected: str = quantity('how the run should end', choices=EXPECTATIONS, default='reached')

@@ -20,7 +20,7 @@ MISS_DISTANCE = 0.06
 MISS_ANGLE = math.radians(8.0)
 
 
-class Interval(NamedTuple):
+class PushInterval(NamedTuple):
     """Time from the beginning to the end of a push [s]."""
 
     start: float
@@ -39,7 +39,7 @@ class Corrections(NamedTuple):
     seconds: float
 
 
-def push_intervals(history: Sequence[StateChange], duration: float) -> list[Interval]:
+def push_intervals(history: Sequence[StateChange], duration: float) -> list[PushInterval]:
     """
     List when pushes began and ended.
 
@@ -47,7 +47,7 @@ def push_intervals(history: Sequence[StateChange], duration: float) -> list[Inte
     :param duration: when the task ended [s].
     """
     ends = [change.time for change in history[1:]] + [duration]
-    return [Interval(change.time, end) for change, end in zip(history, ends)
+    return [PushInterval(change.time, end) for change, end in zip(history, ends)
             if change.state is TaskState.PUSH]
 
 

@@ -15,7 +15,7 @@ from push_scenario.evaluation.metrics import bounds_missed
 from push_scenario.evaluation.report import TITLES
 from push_scenario.plots.drawing import (
     draw_goals, draw_map, draw_object, draw_robot, front, INK, NO_PUSH, outline, PLAN_STYLE,
-    ROBOT_PATH_STYLE, Segment, segments_of, set_view, tape_of, WARNING,
+    ROBOT_PATH_STYLE, segments_of, set_view, StateRows, tape_of, WARNING,
 )
 from push_scenario.simulation.result import RunResult
 
@@ -104,7 +104,7 @@ class _Panel:
         self._goals = draw_goals(self._axes, self._result.scenario, time)
         self._place_bodies(row, segment.color)
 
-    def _extend_push_paths(self, row: int) -> Segment:
+    def _extend_push_paths(self, row: int) -> StateRows:
         """Draw the path of the object in each push up to a row; return the present segment."""
         present, objects = self._segments[0], self._tape.poses('object')
         for segment, path in zip(self._segments, self._push_paths):
@@ -115,7 +115,7 @@ class _Panel:
                 path.set_data(objects[rows, 0], objects[rows, 1])
         return present
 
-    def _show_title(self, segment: Segment, row: int) -> None:
+    def _show_title(self, segment: StateRows, row: int) -> None:
         time = self._tape['time']
         is_recent = time[row] < time[segment.rows.start] + REASON_TIME
         if segment.reason and is_recent:

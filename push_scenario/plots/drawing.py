@@ -36,7 +36,7 @@ DISC_SIDES = 60
 VIEW_STRIDE = 25
 
 
-class Segment(NamedTuple):
+class StateRows(NamedTuple):
     """
     Rows of a tape during one state.
 
@@ -69,15 +69,15 @@ def tape_of(result: RunResult) -> Tape:
     return result.tape
 
 
-def segments_of(result: RunResult) -> list[Segment]:
+def segments_of(result: RunResult) -> list[StateRows]:
     """
     Cut a tape at the changes of state.
 
-    :return: list of ``Segment``, in order.
+    :return: list of ``StateRows``, in order.
     """
     time, history = tape_of(result)['time'], result.history
     ends = [change.time for change in history[1:]] + [time[-1]]
-    segments: list[Segment] = []
+    segments: list[StateRows] = []
     pushes = 0
     for index, (change, end) in enumerate(zip(history, ends)):
         # A state that is entered after the last row has that one.
@@ -86,8 +86,8 @@ def segments_of(result: RunResult) -> list[Segment]:
         if change.state is TaskState.PUSH:
             push = pushes
             pushes += 1
-        segments.append(Segment(change.state, slice(int(first), int(last) + 1), push,
-                                change.reason if index else ''))
+        segments.append(StateRows(change.state, slice(int(first), int(last) + 1), push,
+                                  change.reason if index else ''))
     return segments
 
 

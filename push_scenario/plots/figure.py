@@ -27,7 +27,7 @@ from push_scenario.evaluation.report import TITLES
 from push_scenario.plots.drawing import (
     DASHED_GOAL, draw_displacements, draw_goals, draw_map, draw_object, draw_push_number,
     draw_robot, GOAL, goal_poses, INK, outline, PLAN_STYLE, PUSH_COLORS, ROBOT_PATH_STYLE,
-    Segment, segments_of, set_view, style_axes, tape_of, WARNING,
+    segments_of, set_view, StateRows, style_axes, tape_of, WARNING,
 )
 from push_scenario.simulation.result import RunResult
 
@@ -177,7 +177,7 @@ def _millimetres(metres: float) -> str:
 
 
 def _segment(axes: Axes, scenario: Scenario, objects: FloatArray, robots: FloatArray,
-             segment: Segment) -> None:
+             segment: StateRows) -> None:
     if segment.push is None:
         axes.plot(robots[:, 0], robots[:, 1], **ROBOT_PATH_STYLE, zorder=6)
         return

@@ -23,7 +23,7 @@ ROW_PERIOD = 0.04
 RESTART_TIME = 1.0
 
 
-class RobotRecord:
+class RobotRecorder:
     """
     Turns measurements of a robot into rows, and the rest into events; time starts with them.
 

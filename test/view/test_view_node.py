@@ -15,7 +15,7 @@ from push_model.signals import ObjectPose, Odometry, Twist
 from push_navigation.occupancy_map import OccupancyMap
 from push_ros.conversions.measurements import to_object_pose_message, to_odometry_message
 from push_scenario.definition.loader import load_scenario
-from push_view.live.robot_record import RobotRecord, ROW_PERIOD
+from push_view.live.robot_record import RobotRecorder, ROW_PERIOD
 from push_view.server.message_log import MessageLog
 import pytest
 from std_srvs.srv import Trigger
@@ -103,7 +103,7 @@ def shown(log, kind):
 def test_a_force_is_shown_in_the_contact_while_it_is_new():
     """Along normal and tangent, whatever the heading of the object; then it is not known."""
     log = MessageLog()
-    record = RobotRecord(log, 'robot', SCENARIO.object, SCENARIO.robot)
+    record = RobotRecorder(log, 'robot', SCENARIO.object, SCENARIO.robot)
     reach = max(x for x, _ in SCENARIO.object.outline)
     heading = Pose(1.0, 0.5, math.pi / 2)
     record.on_object_pose(ObjectPose(0.0, heading))
@@ -124,7 +124,7 @@ def test_a_force_is_shown_in_the_contact_while_it_is_new():
 def test_what_was_given_in_a_frame_that_drifts_is_moved():
     """Goal and map; before there is any nothing happens."""
     log = MessageLog()
-    record = RobotRecord(log, 'robot', SCENARIO.object, SCENARIO.robot)
+    record = RobotRecorder(log, 'robot', SCENARIO.object, SCENARIO.robot)
     correction = Pose(0.1, -0.2, 0.0)
     record.move_goal(correction)
     record.move_map(correction)
@@ -140,7 +140,7 @@ def test_what_was_given_in_a_frame_that_drifts_is_moved():
 def test_time_begins_with_the_first_measurement_and_again_when_it_goes_back():
     """The goal still holds then; rows come no faster than a screen needs them."""
     log = MessageLog()
-    record = RobotRecord(log, 'robot', SCENARIO.object, SCENARIO.robot)
+    record = RobotRecorder(log, 'robot', SCENARIO.object, SCENARIO.robot)
     record.on_goal(Pose(1.0, 0.0, 0.0))
     for number in range(101):
         record.on_odometry(Odometry(1e9 + 0.01 * number, Pose(0.01 * number, 0.0, 0.0),

@@ -13,7 +13,7 @@ import math
 from typing import NamedTuple
 
 from push_control.settings import ControlSettings
-from push_control.steered.estimation.contact_site import ContactOffset, ContactSite
+from push_control.steered.estimation.contact_site import ContactOffset, RollingContact
 from push_model.events import EventReport, PushEvent
 
 # Largest deviation that a single measurement may add to the CUSUM test, and what it is reduced by,
@@ -284,12 +284,12 @@ class ContactDetector:
     A robot inside the object is one whose wheels spin: then nothing can be told about slip.
     """
 
-    def __init__(self, settings: ControlSettings, robot_radius: float, site: ContactSite):
+    def __init__(self, settings: ControlSettings, robot_radius: float, site: RollingContact):
         """
         Begin in contact.
 
         :param robot_radius: R_p [m].
-        :param site: the ``ContactSite`` at the start.
+        :param site: the ``RollingContact`` at the start.
         """
         noise_std = math.hypot(settings.pose_noise,
                                settings.heading_noise * math.hypot(*site.point))

@@ -19,7 +19,7 @@ CONTACT_TOLERANCE = 0.01
 SAME_POINT_DISTANCE = 0.02
 SAME_PUSH_DISTANCE = 0.5
 SAME_PUSH_ROTATION = 0.5
-# Count of ``ContactSite.numbers``.
+# Count of ``RollingContact.numbers``.
 SITE_SIZE = 11
 
 
@@ -35,7 +35,7 @@ class ContactOffset(NamedTuple):
     slip: float
 
 
-class ContactFrame(NamedTuple):
+class EstimatedContactFrame(NamedTuple):
     """
     Contact point C and normal in the object frame.
 
@@ -49,7 +49,7 @@ class ContactFrame(NamedTuple):
     normal: float
 
 
-class ContactSite(NamedTuple):
+class RollingContact(NamedTuple):
     """
     The contact in the object frame, for any heading of the robot relative to the object.
 
@@ -90,7 +90,7 @@ class ContactSite(NamedTuple):
         """D, angle from the robot's heading to the contact normal at the start [rad]."""
         return math.remainder(self.normal - self.heading, 2.0 * math.pi)
 
-    def contact_at(self, heading: float) -> ContactFrame:
+    def contact_at(self, heading: float) -> EstimatedContactFrame:
         """
         Find the contact of a robot that has rolled without slip.
 
@@ -124,12 +124,12 @@ class ContactSite(NamedTuple):
                                                        center[1] - expected[1]))
         return ContactOffset(-along, across)
 
-    def after_slip(self, slip: float) -> 'ContactSite':
+    def after_slip(self, slip: float) -> 'RollingContact':
         """
         Find the contact of a robot that has slid along the object.
 
         :param slip: of the robot's centre along t, the normal rotated by +90 degrees [m].
-        :return: ``ContactSite`` that rolls on from there.
+        :return: ``RollingContact`` that rolls on from there.
         """
         if self.kind == 'face':
             return self._replace(point=(self.point[0] - slip * math.sin(self.normal),
@@ -139,11 +139,11 @@ class ContactSite(NamedTuple):
         x, y, _ = rolled.contact_at(self.heading)
         return rolled._replace(point=(x, y))
 
-    def is_same_push(self, other: 'ContactSite', shift: Pose) -> bool:
+    def is_same_push(self, other: 'RollingContact', shift: Pose) -> bool:
         """
         Tell whether a push at another site is this one, only a little later or earlier.
 
-        :param other: the other ``ContactSite``.
+        :param other: the other ``RollingContact``.
         :param shift: ``Pose`` of the object there, relative to where it is now.
         :return: whether it is.
         """
@@ -154,7 +154,7 @@ class ContactSite(NamedTuple):
 
 
 @compiled
-def rolled_contact(contact: ContactSite, heading: float) -> ContactFrame:
+def rolled_contact(contact: RollingContact, heading: float) -> EstimatedContactFrame:
     """
     Find the contact of a robot that has rolled without slip.
 
@@ -162,15 +162,15 @@ def rolled_contact(contact: ContactSite, heading: float) -> ContactFrame:
     """
     rotation = heading - contact.heading
     if contact.object_radius == 0.0:
-        return ContactFrame(contact.point[0], contact.point[1], contact.normal + rotation)
+        return EstimatedContactFrame(contact.point[0], contact.point[1], contact.normal + rotation)
     if math.isinf(contact.object_radius):
         shift = contact.robot_radius * rotation
-        return ContactFrame(contact.point[0] + shift * math.sin(contact.normal),
-                            contact.point[1] - shift * math.cos(contact.normal),
-                            contact.normal)
+        return EstimatedContactFrame(contact.point[0] + shift * math.sin(contact.normal),
+                                     contact.point[1] - shift * math.cos(contact.normal),
+                                     contact.normal)
     normal = contact.normal + (1.0 - contact.normal_ratio) * rotation
-    return ContactFrame(-contact.object_radius * math.cos(normal),
-                        -contact.object_radius * math.sin(normal), normal)
+    return EstimatedContactFrame(-contact.object_radius * math.cos(normal),
+                                 -contact.object_radius * math.sin(normal), normal)
 
 
 # The function itself: called from Python it is faster than its machine code.
@@ -178,18 +178,18 @@ _rolled_contact = getattr(rolled_contact, 'py_func', rolled_contact)
 
 
 @compiled
-def contact_site(numbers: Any) -> ContactSite:
+def contact_site(numbers: Any) -> RollingContact:
     """
     Read a contact.
 
-    :param numbers: ``ContactSite.numbers``, shape (n,), the first ``SITE_SIZE`` of which count.
+    :param numbers: ``RollingContact.numbers``, shape (n,), the first ``SITE_SIZE`` of which count.
     """
-    return ContactSite(numbers[0], numbers[1], numbers[2], (numbers[3], numbers[4]), numbers[5],
-                       numbers[6], (numbers[7], numbers[8]), (numbers[9], numbers[10]))
+    return RollingContact(numbers[0], numbers[1], numbers[2], (numbers[3], numbers[4]), numbers[5],
+                          numbers[6], (numbers[7], numbers[8]), (numbers[9], numbers[10]))
 
 
 def initial_contact_site(obj: PushedObject, robot: RoundRobot,
-                         trajectory: PushTrajectory) -> ContactSite:
+                         trajectory: PushTrajectory) -> RollingContact:
     """
     Find the contact that a trajectory starts from.
 
@@ -214,9 +214,9 @@ def initial_contact_site(obj: PushedObject, robot: RoundRobot,
         # Of all angles of this normal, the one nearest to the middle of the vertex.
         full_turns = round((0.5 * (low + high) - normal) / (2.0 * math.pi))
     normal += 2.0 * math.pi * full_turns
-    return ContactSite(normal_ratio, robot.radius, object_radius,
-                       contact_point(obj, contact), normal, phi - pose.theta, normal_limits,
-                       _edges(obj, contact))
+    return RollingContact(normal_ratio, robot.radius, object_radius,
+                          contact_point(obj, contact), normal, phi - pose.theta, normal_limits,
+                          _edges(obj, contact))
 
 
 def _edges(obj: PushedObject, contact: Contact) -> tuple[float, float]:

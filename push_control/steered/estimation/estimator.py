@@ -2,7 +2,7 @@
 Extended Kalman filter for object pose, push direction, centre of friction and rotation.
 
 Odometry is the input; poses are measured late and enter at their own time. With x the
-``PushState``, P its covariance, z the measured pose and H the rows of (x, y, theta):
+``MotionState``, P its covariance, z the measured pose and H the rows of (x, y, theta):
 
     ``x+ = f(x, u)``,  ``P+ = F P F^T + Q ds``   for every step of odometry, ds the path length
     ``K = P H^T (H P H^T + R)^-1``,  ``x += K (z - H x)``,  ``P -= K H P``   for every pose
@@ -15,13 +15,13 @@ from typing import NamedTuple
 
 import numpy as np
 from push_control.settings import ControlSettings
-from push_control.steered.estimation.contact_site import ContactSite
+from push_control.steered.estimation.contact_site import RollingContact
 from push_control.steered.estimation.dead_reckoning import RobotMotion
 from push_control.steered.estimation.filter_kernel import (
     add_motion, advance, C_SQUARED, CENTER, correct, COVARIANCE, END, LAST, LATEST,
     load_machine_code, MATRIX_COUNT, MEMORY_SIZE, MOTION_COLUMNS, ODOMETRY_COLUMNS, predict,
     replay, SITE, SIZE, STATE, WALK)
-from push_control.steered.estimation.push_motion import PushMotion, PushState
+from push_control.steered.estimation.push_motion import MotionState, PushMotion
 from push_dynamics.compiled import array_view
 from push_model.events import EventReport, PushEvent
 from push_model.geometry import Coordinates, distance, FloatArray, Pose, wrap_angle
@@ -51,7 +51,7 @@ class NoiseModel(NamedTuple):
     """
     What the filter reckons with.
 
-    :param initial: variances of the ``PushState`` at the start, shape (7,).
+    :param initial: variances of the ``MotionState`` at the start, shape (7,).
     :param walk: Q, variances of the random walk of the state per path length, shape (7,).
     :param pose_gate: squared Mahalanobis distance at which a pose is rejected.
     :param center: nominal centre of friction, object frame (x, y) [m].
@@ -65,7 +65,8 @@ class NoiseModel(NamedTuple):
     max_center_offset: float
 
     @classmethod
-    def of(cls, settings: ControlSettings, site: ContactSite, center: Coordinates) -> 'NoiseModel':
+    def of(cls, settings: ControlSettings, site: RollingContact,
+           center: Coordinates) -> 'NoiseModel':
         """
         Make the noise model of a contact.
 
@@ -137,7 +138,7 @@ class Estimator:
         self._pose_gate = noise.pose_gate
         theta = pose.pose.theta
         misalignment = wrap_angle(odometry.pose.theta - theta - site.heading)
-        state = PushState(*pose.pose, theta + site.heading + misalignment, *center)
+        state = MotionState(*pose.pose, theta + site.heading + misalignment, *center)
         covariance: FloatArray = np.diag(noise.initial)
         covariance[:3, :3] = settings.believed_covariance(pose).matrix
         self.memory: FloatArray = np.zeros(MEMORY_SIZE)
@@ -170,16 +171,16 @@ class Estimator:
         load_machine_code(self.memory)
 
     @property
-    def state(self) -> PushState:
-        """``PushState`` at the time of the last pose used."""
-        return PushState(*self.memory[STATE:LATEST].tolist())
+    def state(self) -> MotionState:
+        """``MotionState`` at the time of the last pose used."""
+        return MotionState(*self.memory[STATE:LATEST].tolist())
 
     @property
     def covariance(self) -> FloatArray:
         """Covariance at the time of the last pose used, shape (7, 7)."""
         return self._matrices[COVARIANCE].copy()
 
-    def set_contact(self, site: ContactSite, is_lost: bool) -> None:
+    def set_contact(self, site: RollingContact, is_lost: bool) -> None:
         """
         Go on with the contact as detected.
 
@@ -271,7 +272,7 @@ class Estimator:
         return event.report(distance=1e3 * math.hypot(shift.x, shift.y),
                             rotation=math.degrees(abs(shift.theta)))
 
-    def predict(self, time: float) -> PushState:
+    def predict(self, time: float) -> MotionState:
         """
         Carry the estimate to a later time.
 
@@ -279,7 +280,7 @@ class Estimator:
         """
         states: FloatArray = np.zeros(2 * SIZE)
         predict(self.memory, self.interval_until(time), np.zeros(3), 0.0, states)
-        return PushState(*states[:SIZE].tolist())
+        return MotionState(*states[:SIZE].tolist())
 
     def interval_until(self, time: float) -> float:
         """

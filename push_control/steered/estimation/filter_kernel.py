@@ -17,12 +17,12 @@ import numpy as np
 from push_control.steered.estimation.contact_site import contact_site, rolled_contact, SITE_SIZE
 from push_control.steered.estimation.limit_surface_table import TABLE_SIZE
 from push_control.steered.estimation.push_motion import (
-    contact_velocity, linearize_step, MotionModel, object_rates, propagated_state, PushState,
+    contact_velocity, linearize_step, MotionModel, MotionState, object_rates, propagated_state,
 )
 from push_dynamics.compiled import compiled
 from push_model.geometry import FloatArray
 
-# Numbers of a ``PushState``, and how many of them a pose measures.
+# Numbers of a ``MotionState``, and how many of them a pose measures.
 SIZE = 7
 MEASURED = 3
 # Columns of odometry: begin and end [s], mean velocity in the robot's axes.
@@ -40,7 +40,7 @@ LOST = SITE + SITE_SIZE
 C_SQUARED = LOST + 1
 # Memory: time of the last odometry [s], and its velocity, robot's axes.
 LAST = C_SQUARED + TABLE_SIZE
-# Memory: ``PushState`` at the time of the last pose used, and at that of the last odometry.
+# Memory: ``MotionState`` at the time of the last pose used, and at that of the last odometry.
 STATE = LAST + 4
 LATEST = STATE + SIZE
 # Memory: Q, variances of the random walk of the state per path length.
@@ -65,14 +65,14 @@ def motion_model(memory: Any) -> MotionModel:
 
 
 @compiled
-def push_state(numbers: Any) -> PushState:
+def push_state(numbers: Any) -> MotionState:
     """
     Read a state.
 
     :param numbers: shape (7,).
     """
-    return PushState(numbers[0], numbers[1], numbers[2], numbers[3], numbers[4], numbers[5],
-                     numbers[6])
+    return MotionState(numbers[0], numbers[1], numbers[2], numbers[3], numbers[4], numbers[5],
+                       numbers[6])
 
 
 @compiled
@@ -150,7 +150,7 @@ def predict(memory: Any, interval: float, twist: Any, duration: float, states: A
     :param interval: from the time of ``latest`` until now [s].
     :param twist: mean velocity expected from now on, robot's axes.
     :param duration: for how long [s].
-    :param states: numbers of the ``PushState`` now and then, are written, shape (14,).
+    :param states: numbers of the ``MotionState`` now and then, are written, shape (14,).
     :return: whether all of them are finite.
     """
     now, then = states[:SIZE], states[SIZE:]
@@ -273,7 +273,7 @@ def apply_gains(state: Any, matrices: Any, innovation: Any) -> None:
     """
     Correct state and covariance.
 
-    :param state: numbers of the ``PushState``, shape (7,), is written.
+    :param state: numbers of the ``MotionState``, shape (7,), is written.
     :param matrices: of the filter, L the first one in its scratch; the covariance is written.
     :param innovation: v, shape (3,).
     """

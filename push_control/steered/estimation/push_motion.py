@@ -11,7 +11,7 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from push_control.steered.estimation.contact_site import ContactSite, rolled_contact
+from push_control.steered.estimation.contact_site import rolled_contact, RollingContact
 from push_control.steered.estimation.limit_surface_table import (
     LimitSurfaceTable, tabulated_c_squared)
 from push_dynamics.compiled import compiled, interpreted
@@ -22,7 +22,7 @@ contact_velocity = compiled(robot_kinematics.contact_velocity)
 ellipsoid_yaw_rate = compiled(quasi_static.ellipsoid_yaw_rate)
 
 
-class PushState(NamedTuple):
+class MotionState(NamedTuple):
     """
     Estimated state of a push [m, m, rad, rad, m, m, -].
 
@@ -96,18 +96,18 @@ class MotionModel(NamedTuple):
     """
     The numbers of a ``PushMotion``, as compiled functions read them.
 
-    :param contact: the ``ContactSite``.
+    :param contact: the ``RollingContact``.
     :param is_lost: whether the robot does not touch the object.
     :param c_squared: ``LimitSurfaceTable.values`` of the contact [m^2].
     """
 
-    contact: ContactSite
+    contact: RollingContact
     is_lost: bool
     c_squared: Any
 
 
 @compiled
-def object_rates(model: MotionModel, state: PushState, twist: Any) -> Rates:
+def object_rates(model: MotionModel, state: MotionState, twist: Any) -> Rates:
     """
     Velocity of the object; zero while the robot does not press.
 
@@ -129,8 +129,8 @@ def object_rates(model: MotionModel, state: PushState, twist: Any) -> Rates:
 
 
 @compiled
-def propagated_state(model: MotionModel, state: PushState, rates: Rates, twist: Any,
-                     duration: float) -> PushState:
+def propagated_state(model: MotionModel, state: MotionState, rates: Rates, twist: Any,
+                     duration: float) -> MotionState:
     """
     Carry a state over one step (midpoint rule).
 
@@ -139,16 +139,16 @@ def propagated_state(model: MotionModel, state: PushState, rates: Rates, twist: 
     :param duration: of the step [s].
     """
     half = 0.5 * duration
-    middle = PushState(state.x, state.y, state.theta + half * rates.omega,
-                       state.phi + half * twist[2], state.p_x, state.p_y, state.q)
+    middle = MotionState(state.x, state.y, state.theta + half * rates.omega,
+                         state.phi + half * twist[2], state.p_x, state.p_y, state.q)
     mean = object_rates(model, middle, twist)
-    return PushState(state.x + duration * mean.x, state.y + duration * mean.y,
-                     state.theta + duration * mean.omega, state.phi + duration * twist[2],
-                     state.p_x, state.p_y, state.q)
+    return MotionState(state.x + duration * mean.x, state.y + duration * mean.y,
+                       state.theta + duration * mean.omega, state.phi + duration * twist[2],
+                       state.p_x, state.p_y, state.q)
 
 
 @compiled
-def linearize_step(state: PushState, rates: Rates, duration: float, transition: Any) -> float:
+def linearize_step(state: MotionState, rates: Rates, duration: float, transition: Any) -> float:
     """
     Linearise one step; the shift of a rolling contact with theta and phi is left out.
 
@@ -200,13 +200,13 @@ class PushMotion(NamedTuple):
     Motion of the estimated state under odometry.
 
     :param robot_radius: R_p [m].
-    :param site: the ``ContactSite``.
+    :param site: the ``RollingContact``.
     :param supports: the ``LimitSurfaceTable`` of the contact.
     :param is_lost: whether the robot does not touch the object.
     """
 
     robot_radius: float
-    site: ContactSite
+    site: RollingContact
     supports: LimitSurfaceTable
     is_lost: bool = False
 
@@ -215,7 +215,7 @@ class PushMotion(NamedTuple):
         """The ``MotionModel``."""
         return MotionModel(self.site, self.is_lost, self.supports.values)
 
-    def rates(self, state: PushState, twist: Coordinates) -> Rates:
+    def rates(self, state: MotionState, twist: Coordinates) -> Rates:
         """
         Velocity of the object; zero while the robot does not press.
 
@@ -223,7 +223,7 @@ class PushMotion(NamedTuple):
         """
         return interpreted(object_rates)(self.model, state, twist)
 
-    def propagate(self, state: PushState, twist: Coordinates, duration: float) -> PushState:
+    def propagate(self, state: MotionState, twist: Coordinates, duration: float) -> MotionState:
         """
         Carry a state over one step (midpoint rule).
 
@@ -233,7 +233,7 @@ class PushMotion(NamedTuple):
         return interpreted(propagated_state)(self.model, state, self.rates(state, twist), twist,
                                              duration)
 
-    def linearize(self, state: PushState, rates: Rates, duration: float) -> Linearization:
+    def linearize(self, state: MotionState, rates: Rates, duration: float) -> Linearization:
         """
         Linearise one step; the shift of a rolling contact with theta and phi is left out.
 

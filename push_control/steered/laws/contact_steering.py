@@ -9,9 +9,9 @@ The functions are compiled: a control step takes a few of them.
 import math
 from typing import Any, NamedTuple
 
-from push_control.steered.estimation.contact_site import ContactSite, rolled_contact
+from push_control.steered.estimation.contact_site import rolled_contact, RollingContact
 from push_control.steered.estimation.limit_surface_table import angle_of_curvature
-from push_control.steered.estimation.push_motion import PushState
+from push_control.steered.estimation.push_motion import MotionState
 from push_control.steered.laws.command import (
     differential_command, holonomic_command, scaled_command)
 from push_control.steered.laws.curvature_limits import (
@@ -68,7 +68,7 @@ class SteeringCommand(NamedTuple):
 
 
 @compiled
-def curvature_limits(steering: Steering, site: ContactSite, vehicle: Vehicle, normal: float,
+def curvature_limits(steering: Steering, site: RollingContact, vehicle: Vehicle, normal: float,
                      cone_fraction: float) -> CurvatureLimits:
     """
     Curvatures that the contact survives.
@@ -88,17 +88,17 @@ def curvature_limits(steering: Steering, site: ContactSite, vehicle: Vehicle, no
 
 
 @compiled
-def initial_offset(site: ContactSite) -> float:
+def initial_offset(site: RollingContact) -> float:
     """D, angle from the robot's heading to the contact normal at the start [rad]."""
     return wrap_angles(site.normal - site.heading)
 
 
 @compiled
-def zeta_at_rest(steering: Steering, site: ContactSite, state: PushState) -> float:
+def zeta_at_rest(steering: Steering, site: RollingContact, state: MotionState) -> float:
     """
     Where zeta comes to rest on a straight path [rad].
 
-    :param state: ``PushState`` now.
+    :param state: ``MotionState`` now.
     """
     if steering.is_differential:
         return initial_offset(site)
@@ -109,12 +109,12 @@ def zeta_at_rest(steering: Steering, site: ContactSite, state: PushState) -> flo
 
 
 @compiled
-def approach_command(steering: Steering, normal: float, state: PushState, speed: float) -> Twist:
+def approach_command(steering: Steering, normal: float, state: MotionState, speed: float) -> Twist:
     """
     Compute the command that closes a gap slowly, along the contact normal.
 
     :param normal: angle of the contact normal in the object frame [rad].
-    :param state: ``PushState`` one drive lag ahead.
+    :param state: ``MotionState`` one drive lag ahead.
     :param speed: of the robot [m/s].
     :return: ``Twist`` in the robot's axes.
     """
@@ -124,13 +124,13 @@ def approach_command(steering: Steering, normal: float, state: PushState, speed:
 
 
 @compiled
-def steering_command(steering: Steering, site: ContactSite, vehicle: Vehicle, state: PushState,
-                     curvature: float, speed: float) -> SteeringCommand:
+def steering_command(steering: Steering, site: RollingContact, vehicle: Vehicle,
+                     state: MotionState, curvature: float, speed: float) -> SteeringCommand:
     """
     Compute the command that gives z a curvature.
 
     :param vehicle: the object as ``Vehicle``, as estimated.
-    :param state: ``PushState`` one drive lag ahead.
+    :param state: ``MotionState`` one drive lag ahead.
     :param curvature: of z [1/m].
     :param speed: of the contact [m/s].
     """
@@ -156,7 +156,7 @@ def steering_command(steering: Steering, site: ContactSite, vehicle: Vehicle, st
 
 
 @compiled
-def centering_of(steering: Steering, site: ContactSite, state: PushState) -> float:
+def centering_of(steering: Steering, site: RollingContact, state: MotionState) -> float:
     """Rotation of the robot on the object, since the start, that centres the contact [rad]."""
     return centering_rotation(site, (state.p_x, state.p_y),
                               ROUND_CONE_FRACTION * steering.cone_angle,
@@ -164,7 +164,7 @@ def centering_of(steering: Steering, site: ContactSite, state: PushState) -> flo
 
 
 @compiled
-def zeta_limits(site: ContactSite, vehicle: Vehicle, normal: float) -> tuple[float, float]:
+def zeta_limits(site: RollingContact, vehicle: Vehicle, normal: float) -> tuple[float, float]:
     """
     Zeta between which the contact stays on its feature.
 
@@ -179,7 +179,7 @@ def zeta_limits(site: ContactSite, vehicle: Vehicle, normal: float) -> tuple[flo
 
 
 @compiled
-def centering_rotation(site: ContactSite, center: tuple[float, float], max_zeta: float,
+def centering_rotation(site: RollingContact, center: tuple[float, float], max_zeta: float,
                        rotation: float) -> float:
     """
     Rotation of the robot relative to the object, since the start, that centres the contact.
@@ -205,7 +205,7 @@ def centering_rotation(site: ContactSite, center: tuple[float, float], max_zeta:
 
 
 @compiled
-def vertex_rotation(site: ContactSite, center: tuple[float, float]) -> float:
+def vertex_rotation(site: RollingContact, center: tuple[float, float]) -> float:
     """
     Rotate the normal into the line C->F, as far as the vertex allows.
 
@@ -220,7 +220,7 @@ def vertex_rotation(site: ContactSite, center: tuple[float, float]) -> float:
 
 
 @compiled
-def face_rotation(site: ContactSite, center: tuple[float, float]) -> float:
+def face_rotation(site: RollingContact, center: tuple[float, float]) -> float:
     """
     Roll C to the foot of F on the face, as far as the face allows.
 
@@ -238,7 +238,7 @@ def face_rotation(site: ContactSite, center: tuple[float, float]) -> float:
 
 
 @compiled
-def round_rotation(site: ContactSite, center: tuple[float, float], max_zeta: float,
+def round_rotation(site: RollingContact, center: tuple[float, float], max_zeta: float,
                    normal: float) -> float:
     """
     Roll a disc until zeta is small enough.

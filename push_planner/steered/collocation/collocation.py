@@ -50,7 +50,7 @@ class Node(NamedTuple):
     phi: Any = 0.0
 
 
-class Step(NamedTuple):
+class IntegrationStep(NamedTuple):
     """
     A step, apart from the state at its start.
 
@@ -104,7 +104,7 @@ class RadauScheme(NamedTuple):
     inverse: FloatArray
 
 
-class ContactImpulse(NamedTuple):
+class VelocityJumpEffect(NamedTuple):
     """
     Effect of a jump of the velocity that is imposed at the contact, per pushing speed.
 
@@ -167,7 +167,7 @@ def radau(count: int) -> RadauScheme:
 
 
 def contact_impulse(kind: PushKind, parameters: PushParameters, node: Node,
-                    change: Any = None) -> ContactImpulse:
+                    change: Any = None) -> VelocityJumpEffect:
     """
     Find how the object responds where the velocity imposed at the contact jumps.
 
@@ -183,10 +183,10 @@ def contact_impulse(kind: PushKind, parameters: PushParameters, node: Node,
         v_x, v_y = after_x - v_x, after_y - v_y
     state = State(0.0, 0.0, 0.0, 0.0, delta, c_x, c_y)
     w_jump, j_n, j_t = impulse(parameters.terms, state, v_x, v_y)
-    return ContactImpulse(w_jump, j_n / parameters.terms.mass, j_t / parameters.terms.mass)
+    return VelocityJumpEffect(w_jump, j_n / parameters.terms.mass, j_t / parameters.terms.mass)
 
 
-def collocate(kind: PushKind, parameters: PushParameters, node: Node, step: Step,
+def collocate(kind: PushKind, parameters: PushParameters, node: Node, step: IntegrationStep,
               rates: Sequence[Any]) -> StepResult:
     """
     Write one Radau step; see the formulas of this module.
@@ -248,7 +248,7 @@ def robot_speed_squared(parameters: PushParameters, angle: Any, robot_w: Any) ->
 
 
 def moment_and_force(parameters: PushParameters, point: MotionPoint, angle_slope: Any,
-                     w_slope: Any, step: Step, c: float) -> Balance:
+                     w_slope: Any, step: IntegrationStep, c: float) -> Balance:
     """
     Write the equation of motion at one point, in axes of the object.
 
@@ -280,7 +280,7 @@ def moment_and_force(parameters: PushParameters, point: MotionPoint, angle_slope
 
 
 def force_at_start(kind: PushKind, parameters: PushParameters, node: Node,
-                   step: Step) -> tuple[Any, Any]:
+                   step: IntegrationStep) -> tuple[Any, Any]:
     """
     Write the force at the start of a step, where the angle begins to change at another rate.
 
@@ -301,7 +301,7 @@ def force_at_start(kind: PushKind, parameters: PushParameters, node: Node,
     return moment_and_force(parameters, point, angle_slope, w_slope, step, 0.0).force
 
 
-def _steered(kind: PushKind, parameters: PushParameters, node: Node, step: Step,
+def _steered(kind: PushKind, parameters: PushParameters, node: Node, step: IntegrationStep,
              scheme: RadauScheme) -> tuple[Any, list[Any], Any]:
     """Find w after a jump at the start, the pushing angles at the points, and their slope."""
     if step.jumps:

@@ -19,7 +19,8 @@ from typing import Any, NamedTuple, Optional
 import casadi as ca
 import numpy as np
 from push_planner.steered.collocation.collocation import (
-    collocate, contact_impulse, force_at_start, Node, robot_speed_squared, robot_yaw_rate, Step,
+    collocate, contact_impulse, force_at_start, IntegrationStep, Node, robot_speed_squared,
+    robot_yaw_rate,
 )
 from push_planner.steered.collocation.dimensions import (
     BoundaryValues, Constraint, Dimensions, Limits, StepData,
@@ -139,9 +140,9 @@ class PushRows:
     def _step_rows(self, common: CommonSymbols, symbols: StepSymbols) -> BlockRows:
         dimensions = self._dimensions
         parameters, limits, data = common.parameters, common.limits, symbols.data
-        step = Step(data.length + data.free_fraction * symbols.free_length,
-                    data.may_steer * symbols.change, data.v_squared, data.v_squared_slope,
-                    dimensions.jumps, SMOOTHING)
+        step = IntegrationStep(data.length + data.free_fraction * symbols.free_length,
+                               data.may_steer * symbols.change, data.v_squared,
+                               data.v_squared_slope, dimensions.jumps, SMOOTHING)
         result = collocate(dimensions.kind, parameters, symbols.node, step, symbols.rates)
         # Forces and moments per friction of the supports are of the order of 1.
         friction = sum(support[2] for support in parameters.terms.supports)
@@ -183,8 +184,8 @@ class PushRows:
         rows = _cone_rows(Constraint.TOUCH, limits.cone_slope, limits.touch_slack,
                           response.normal, response.tangential)
         # The rate of the angle, a control, is left out: it acts on the object's inertia alone.
-        step = Step(1.0, 0.0, symbols.data.v_squared, symbols.data.v_squared_slope, False,
-                    SMOOTHING)
+        step = IntegrationStep(1.0, 0.0, symbols.data.v_squared, symbols.data.v_squared_slope,
+                               False, SMOOTHING)
         force = force_at_start(kind, parameters, node, step)
         friction = sum(support[2] for support in parameters.terms.supports)
         rows += _cone_rows(Constraint.TOUCH, limits.cone_slope, limits.touch_slack,

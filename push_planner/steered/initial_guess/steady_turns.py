@@ -13,7 +13,9 @@ from typing import NamedTuple, Optional
 import casadi as ca
 import numpy as np
 from push_model.geometry import FloatArray
-from push_planner.steered.collocation.collocation import moment_and_force, MotionPoint, Step
+from push_planner.steered.collocation.collocation import (
+    IntegrationStep, moment_and_force, MotionPoint,
+)
 from push_planner.steered.initial_guess.buffered_function import BufferedFunction
 from push_planner.steered.push_parameters import contact_frame, PushParameters, SupportLayout
 
@@ -164,7 +166,7 @@ def _table(supports: SupportLayout) -> BufferedFunction:
     """Build the function (pushing angles, V, parameters) -> (w, forces), solved by bisection."""
     parameters, column = PushParameters.symbols(supports)
     angle, v_squared, w = ca.SX.sym('angle'), ca.SX.sym('v_squared'), ca.SX.sym('w')
-    step = Step(0.0, 0.0, v_squared, 0.0, False, SMOOTHING)
+    step = IntegrationStep(0.0, 0.0, v_squared, 0.0, False, SMOOTHING)
     # Contact and robot rotate with the object.
     balance = moment_and_force(parameters, MotionPoint(0.0, 0.0, w, angle, w), 0.0, 0.0, step, 0.0)
     inputs = [w, angle, v_squared, column]

@@ -17,7 +17,9 @@ import numpy as np
 from push_dynamics.machine_code import BoundRows, RowFunction, RowSequence
 from push_model.geometry import FloatArray
 from push_planner.problem import PushProblem
-from push_planner.steered.collocation.collocation import collocate, contact_impulse, Node, Step
+from push_planner.steered.collocation.collocation import (
+    collocate, contact_impulse, IntegrationStep, Node,
+)
 from push_planner.steered.collocation.dimensions import Dimensions, POINTS, StepData
 from push_planner.steered.collocation.formulation import Formulation
 from push_planner.steered.collocation.solution import Solution
@@ -26,7 +28,8 @@ from push_planner.steered.collocation.transcription import (
 from push_planner.steered.integration.rollout import Rollout, RolloutMemory
 from push_planner.steered.integration.rollout_functions import Checks, NODE_SIZE
 from push_planner.steered.integration.steering import (
-    END_WEIGHTS, Steering, SteeringMemory, STRAIGHT_END_WEIGHTS)
+    END_WEIGHTS, SteeringMemory, SteeringSolution, STRAIGHT_END_WEIGHTS,
+)
 from push_planner.steered.integration.step_division import CapacityExceeded, PartCounts
 from push_planner.steered.push_parameters import (
     contact_frame, PushKind, PushParameters, SupportLayout)
@@ -72,7 +75,7 @@ class RefinedPush(NamedTuple):
     :param rollout: ``Rollout``.
     :param free_length: S [m].
     :param solution: ``Solution`` that it refines.
-    :param steering: ``Steering`` by which it was refined.
+    :param steering: ``SteeringSolution`` by which it was refined.
     :param end_error: ``EndError``.
     :param checks: ``Checks`` of the rollout.
     """
@@ -80,7 +83,7 @@ class RefinedPush(NamedTuple):
     rollout: Rollout
     free_length: float
     solution: Solution
-    steering: Steering
+    steering: SteeringSolution
     end_error: EndError
     checks: Checks
 
@@ -296,9 +299,9 @@ def _linearized_step(kind: PushKind, supports: SupportLayout, jumps: bool) -> Ro
     data, free_length = ca.SX.sym('data', len(StepData._fields)), ca.SX.sym('free_length')
     change = ca.SX.sym('change')
     of_step = StepData(*ca.vertsplit(data))
-    step = Step(of_step.length + of_step.free_fraction * free_length,
-                of_step.may_steer * change, of_step.v_squared, of_step.v_squared_slope, jumps,
-                SMOOTHING)
+    step = IntegrationStep(of_step.length + of_step.free_fraction * free_length,
+                           of_step.may_steer * change, of_step.v_squared,
+                           of_step.v_squared_slope, jumps, SMOOTHING)
     begin = Node(*ca.vertsplit(node))
     if kind == 'held':
         begin = begin._replace(phi=begin.theta)

@@ -13,7 +13,7 @@ import casadi as ca
 from push_dynamics.machine_code import RowFunction
 from push_model.dynamics import SMOOTHING
 from push_planner.steered.collocation.collocation import (
-    collocate, contact_impulse, force_at_start, Node, radau, Step,
+    collocate, contact_impulse, force_at_start, IntegrationStep, Node, radau,
 )
 from push_planner.steered.collocation.dimensions import StepData
 from push_planner.steered.push_parameters import PushKind, PushParameters, SupportLayout
@@ -113,7 +113,8 @@ def part_function(kind: PushKind, supports: SupportLayout, jumps: bool) -> RowFu
         node = node._replace(phi=node.theta)
     length = fraction * values.length
     v_squared = values.v_squared + values.v_squared_slope * before * values.length
-    step = Step(length, along, v_squared, values.v_squared_slope, False, values.smoothing)
+    step = IntegrationStep(length, along, v_squared, values.v_squared_slope, False,
+                           values.smoothing)
     # Within a step w goes on smoothly, and so does the guess.
     w_slope = (1.0 - is_start) * state[NODE_SIZE]
     rates = _solved_rates(kind, parameters, node, step, w_slope)
@@ -134,7 +135,7 @@ def part_function(kind: PushKind, supports: SupportLayout, jumps: bool) -> RowFu
         gathered=['step'])
 
 
-def _solved_rates(kind: PushKind, parameters: PushParameters, node: Node, step: Step,
+def _solved_rates(kind: PushKind, parameters: PushParameters, node: Node, step: IntegrationStep,
                   w_slope: Any) -> Any:
     """Solve the moment balance for w at the points by Newton's method, guessed by a slope."""
     unknowns = ca.SX.sym('rates', POINTS)

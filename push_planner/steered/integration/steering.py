@@ -49,7 +49,7 @@ CHANGE_COST = 0.03
 FREE_LENGTH_COST = 10.0
 
 
-class Steering(NamedTuple):
+class SteeringSolution(NamedTuple):
     """
     Solution of the problem but for the miss; see the formulas of the module.
 
@@ -74,7 +74,7 @@ class SteeringMemory:
     Given are ``maps``, (A_k, b_k) of each step, shape (n, 7, 8), the ``miss`` m, the diagonal
     ``end_weights`` of Q_n, the ``changes`` of the pushing angle, shape (n, 1), and the
     ``free_length`` S, shape (1,). Found are the ``values`` P_k, shape (n + 1, 7, 7), and
-    ``present``, views of a ``Steering``.
+    ``present``, views of a ``SteeringSolution``.
 
     Attributes: ``solve``, the ``RowSequence`` that solves the problem but for the miss;
     ``correct``, the one that takes off the miss: it adds v_k - K_k[S] x_0[S] to the changes, as
@@ -91,7 +91,8 @@ class SteeringMemory:
         gains, feedforwards = np.zeros((count, 7)), np.zeros((count, 7))
         costates, strengths = np.zeros((count + 1, 7, 7)), np.zeros((count + 1, 7, 7))
         self.values[-1], costates[-1] = FEEDBACK_END_WEIGHTS, np.eye(7)
-        self.present = Steering(self.values[0], gains, feedforwards, costates[0, 6], strengths[0])
+        self.present = SteeringSolution(self.values[0], gains, feedforwards, costates[0, 6],
+                                        strengths[0])
         functions = _functions()
         rows = {name: array.reshape(len(array), -1) for name, array in (
             ('maps', self.maps), ('values', self.values), ('costates', costates),
@@ -117,14 +118,14 @@ class SteeringMemory:
                 'before': self.changes, 'feedforward': feedforwards, 'gains': gains, 'y': y,
                 'longer': longer, 'change': self.changes}))
 
-    def load(self, steering: Steering) -> None:
+    def load(self, steering: SteeringSolution) -> None:
         """Take a solution of before."""
         for present, value in zip(self.present, steering):
             present[:] = value
 
-    def copy(self) -> Steering:
+    def copy(self) -> SteeringSolution:
         """Copy the solution."""
-        return Steering(*(present.copy() for present in self.present))
+        return SteeringSolution(*(present.copy() for present in self.present))
 
 
 class _Functions(NamedTuple):

@@ -12,7 +12,8 @@ from push_model.geometry import FloatArray
 from push_model.trajectory import COLUMNS, PushTrajectory
 from push_planner.problem import PushProblem
 from push_planner.steered.collocation.collocation import (
-    contact_impulse, ContactImpulse, Node, robot_yaw_rate)
+    contact_impulse, Node, robot_yaw_rate, VelocityJumpEffect,
+)
 from push_planner.steered.integration.rollout import Rollout
 from push_planner.steered.plan import Switch
 from push_planner.steered.push_parameters import (
@@ -95,7 +96,7 @@ def _force_angles(forces: FloatArray) -> FloatArray:
     return np.abs(np.arctan2(forces[:, 1], forces[:, 0]))
 
 
-def _switch(problem: PushProblem, response: ContactImpulse, rollout: Rollout, sample: int,
+def _switch(problem: PushProblem, response: VelocityJumpEffect, rollout: Rollout, sample: int,
             change: float) -> Switch:
     speed = math.sqrt(rollout.v_squared[sample])
     momentum = problem.obj.mass * speed

@@ -21,7 +21,7 @@ from push_planner.problem import PushProblem
 TOLERANCE = 1e-9
 
 
-class Segment(NamedTuple):
+class PushSegment(NamedTuple):
     """
     A segment of a push: pushing angle and squared speed linear in the path length of the contact.
 
@@ -111,7 +111,7 @@ class OpenLoopSimulation:
     def __init__(self, problem: PushProblem) -> None:
         """Build the equation of motion."""
         self.problem = problem
-        self.segment: Optional[Segment] = None
+        self.segment: Optional[PushSegment] = None
         self._terms = ObjectTerms.of(problem.obj)
         function = equation_of_motion(problem.obj, problem.rolling)
         self._state = np.zeros(7)
@@ -183,7 +183,7 @@ class OpenLoopSimulation:
                          state)
 
     def start_segment(self, state: FloatArray,
-                      segment: Segment) -> tuple[FloatArray, tuple[float, float]]:
+                      segment: PushSegment) -> tuple[FloatArray, tuple[float, float]]:
         """
         Begin a segment: the velocity imposed at the contact may jump.
 
@@ -217,7 +217,7 @@ class OpenLoopSimulation:
         changed[3] += float(impulse(self._terms, State(*state), *jump)[0])
         return changed
 
-    def _present(self) -> Segment:
+    def _present(self) -> PushSegment:
         if self.segment is None:
             raise RuntimeError('segment: got none, expected a call of start_segment before')
         return self.segment

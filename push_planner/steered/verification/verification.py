@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from push_model.geometry import FloatArray, wrap_angle
 from push_planner.steered.plan import Plan
-from push_planner.steered.verification.open_loop import open_loop_simulation, Segment
+from push_planner.steered.verification.open_loop import open_loop_simulation, PushSegment
 
 # Length of an interval in wheelbases. Chosen: an open-loop push diverges as exp(s / L), so that
 # errors grow by exp(8) = 3000 over an interval.
@@ -70,25 +70,25 @@ def verify(plan: Plan) -> Verification:
                         largest_force_angle / problem.friction_angle, intervals)
 
 
-def segments_of(plan: Plan, speed_scale: float = 1.0) -> list[Segment]:
+def segments_of(plan: Plan, speed_scale: float = 1.0) -> list[PushSegment]:
     """
     List the segments of a plan.
 
     :param speed_scale: factor on all its speeds.
     """
     lengths = np.diff(plan.segment_ends, prepend=0.0).tolist()
-    return [Segment(angles, (speed_scale * speeds[0], speed_scale * speeds[1]), length)
+    return [PushSegment(angles, (speed_scale * speeds[0], speed_scale * speeds[1]), length)
             for angles, speeds, length in zip(plan.pushing_angles, plan.speeds, lengths)]
 
 
-def merge_steady_segments(segments: list[Segment]) -> list[Segment]:
+def merge_steady_segments(segments: list[PushSegment]) -> list[PushSegment]:
     """
     Merge neighbours that push on at the same constant angle and speed.
 
-    :param segments: list of ``Segment``.
-    :return: list of ``Segment``, as few as there can be.
+    :param segments: list of ``PushSegment``.
+    :return: list of ``PushSegment``, as few as there can be.
     """
-    merged: list[Segment] = []
+    merged: list[PushSegment] = []
     for segment in segments:
         steady = (segment.angles[0] == segment.angles[1]
                   and segment.speeds[0] == segment.speeds[1])

@@ -7,7 +7,7 @@ from push_control.behaviors.failures import BehaviorFailure
 from push_control.behaviors.push_progress import (
     decide, EXCESS_DISTANCE, EXCESS_RATIO, MIN_SPEED, Miss, MISS_DISTANCE, MISS_SIGMAS,
     PushProgress, Stage, Steer, Stop, TIMEOUT)
-from push_control.perception.contact_consistency import Contact
+from push_control.perception.contact_consistency import Touch
 import pytest
 
 COURSE = Steer(0.5, 0.2)
@@ -61,9 +61,9 @@ def test_of_two_reasons_to_end_the_graver_one_counts(progress, values, expected)
 
 
 @pytest.mark.parametrize('angle, contact', [
-    (0.0, Contact.PUSHED), (1.0, Contact.PUSHED), (1.1, Contact.LATERAL), (3.0, Contact.LATERAL)])
+    (0.0, Touch.PUSHED), (1.0, Touch.PUSHED), (1.1, Touch.LATERAL), (3.0, Touch.LATERAL)])
 def test_an_object_moves_along_with_what_pushes_it(angle, contact):
     """Within sixty degrees; short displacements are not compared."""
     moved = 0.1 * math.cos(angle), 0.1 * math.sin(angle)
     assert dataclasses.replace(PUSH, driven=(0.1, 0.0), moved=moved).contact is contact
-    assert dataclasses.replace(PUSH, driven=(0.02, 0.0), moved=moved).contact is Contact.TAPPED
+    assert dataclasses.replace(PUSH, driven=(0.02, 0.0), moved=moved).contact is Touch.TAPPED

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 from push_control.perception.contact_consistency import (
-    Contact, ContactConsistency, FITTING_STD, LATERAL_SIGMAS, MAX_CONTRADICTIONS,
+    ContactConsistency, FITTING_STD, LATERAL_SIGMAS, MAX_CONTRADICTIONS, Touch,
 )
 from push_control.perception.object_at_rest import ObjectAtRest, Tap, TapMotion
 from push_model.geometry import Pose
@@ -13,7 +13,7 @@ import pytest
 CERTAIN, UNCERTAIN = 0.5 * FITTING_STD, 2.0 * FITTING_STD
 
 
-def consistency_of(contacts: list[Contact], deviation: float = CERTAIN) -> ContactConsistency:
+def consistency_of(contacts: list[Touch], deviation: float = CERTAIN) -> ContactConsistency:
     """Take in contacts, one after the other."""
     consistency = ContactConsistency()
     for contact in contacts:
@@ -23,52 +23,52 @@ def consistency_of(contacts: list[Contact], deviation: float = CERTAIN) -> Conta
 
 def test_the_first_push_without_effect_is_named_and_some_in_a_row_refute() -> None:
     for count in range(1, MAX_CONTRADICTIONS + 1):
-        consistency = consistency_of(count * [Contact.WITHOUT_EFFECT])
+        consistency = consistency_of(count * [Touch.WITHOUT_EFFECT])
         assert consistency.is_refuting == (count == MAX_CONTRADICTIONS)
         assert consistency.is_refuting or 'moved no object' in consistency.inconsistency
 
 
 def test_contacts_of_all_kinds_that_do_not_fit_add_up() -> None:
     """An object that moves but leaves the robot's place uncertain has not moved as it should."""
-    mixed = [Contact.UNEXPECTED, Contact.WITHOUT_EFFECT, Contact.PUSHED, Contact.LATERAL]
+    mixed = [Touch.UNEXPECTED, Touch.WITHOUT_EFFECT, Touch.PUSHED, Touch.LATERAL]
     contacts = (mixed * MAX_CONTRADICTIONS)[:MAX_CONTRADICTIONS]
     assert not consistency_of(contacts[:-1], UNCERTAIN).is_refuting
     refuting = consistency_of(contacts, UNCERTAIN)
     assert refuting.is_refuting and 'did not fit the object poses' in refuting.inconsistency
-    assert consistency_of(MAX_CONTRADICTIONS * [Contact.LATERAL], CERTAIN).is_refuting
+    assert consistency_of(MAX_CONTRADICTIONS * [Touch.LATERAL], CERTAIN).is_refuting
 
 
 def test_a_robot_that_gets_known_by_its_pushes_is_not_refuted_by_them() -> None:
     """However unsure it was at first; where it gets no surer they do not fit."""
     better, worse = ContactConsistency(), ContactConsistency()
     for number in range(2 * MAX_CONTRADICTIONS):
-        better.add(Contact.PUSHED, (10.0 - 0.2 * number) * FITTING_STD)
-        worse.add(Contact.PUSHED, (10.0 + 0.2 * number) * FITTING_STD)
+        better.add(Touch.PUSHED, (10.0 - 0.2 * number) * FITTING_STD)
+        worse.add(Touch.PUSHED, (10.0 + 0.2 * number) * FITTING_STD)
     assert worse.is_refuting and not better.is_refuting and not better.fits
 
 
-@pytest.mark.parametrize('contact', [Contact.WITHOUT_EFFECT, Contact.UNEXPECTED])
-def test_a_push_that_fits_ends_all_inconsistency(contact: Contact) -> None:
+@pytest.mark.parametrize('contact', [Touch.WITHOUT_EFFECT, Touch.UNEXPECTED])
+def test_a_push_that_fits_ends_all_inconsistency(contact: Touch) -> None:
     """However often that happens."""
     before = (MAX_CONTRADICTIONS - 1) * [contact]
-    consistency = consistency_of(20 * [*before, Contact.PUSHED])
+    consistency = consistency_of(20 * [*before, Touch.PUSHED])
     assert not consistency.is_refuting and consistency.inconsistency == '' and consistency.fits
 
 
 def test_a_tap_shows_that_there_is_an_object_but_not_that_its_poses_fit() -> None:
-    taps = 20 * [Contact.TAPPED]
+    taps = 20 * [Touch.TAPPED]
     assert not consistency_of(taps, UNCERTAIN).is_refuting
-    before = (MAX_CONTRADICTIONS - 1) * [Contact.WITHOUT_EFFECT]
+    before = (MAX_CONTRADICTIONS - 1) * [Touch.WITHOUT_EFFECT]
     assert not consistency_of(before + taps).is_refuting
-    alternating = (MAX_CONTRADICTIONS - 1) * [Contact.WITHOUT_EFFECT, Contact.TAPPED]
+    alternating = (MAX_CONTRADICTIONS - 1) * [Touch.WITHOUT_EFFECT, Touch.TAPPED]
     assert not consistency_of(alternating).is_refuting
-    assert consistency_of([*alternating, Contact.WITHOUT_EFFECT]).is_refuting
+    assert consistency_of([*alternating, Touch.WITHOUT_EFFECT]).is_refuting
 
 
 def test_a_robot_that_has_never_missed_is_consistent() -> None:
     assert not ContactConsistency().is_refuting and ContactConsistency().inconsistency == ''
     assert ContactConsistency().fits
-    consistency = consistency_of(MAX_CONTRADICTIONS * [Contact.WITHOUT_EFFECT])
+    consistency = consistency_of(MAX_CONTRADICTIONS * [Touch.WITHOUT_EFFECT])
     consistency.clear()
     assert not consistency.is_refuting and consistency.inconsistency == ''
 
@@ -117,10 +117,10 @@ def test_taps_that_move_the_object_to_the_side_refute_its_poses() -> None:
     consistency = ContactConsistency()
     for count in range(MAX_CONTRADICTIONS):
         assert not consistency.is_refuting
-        consistency.add(Contact.TAPPED, CERTAIN)
+        consistency.add(Touch.TAPPED, CERTAIN)
         consistency.add_tap(TapMotion(1.1 * LATERAL_SIGMAS, 1.0))
     assert consistency.is_refuting and 'did not fit' in consistency.inconsistency
-    consistency.add(Contact.PUSHED, CERTAIN)
+    consistency.add(Touch.PUSHED, CERTAIN)
     assert consistency.fits
 
 

@@ -6,7 +6,7 @@ import math
 from helpers.objects import box
 from helpers.push_problems import HOLONOMIC
 import numpy as np
-from push_control.perception.contact_consistency import Contact, MAX_CONTRADICTIONS
+from push_control.perception.contact_consistency import MAX_CONTRADICTIONS, Touch
 from push_control.perception.ensemble.ensemble_state import RobotMemory
 from push_control.perception.lost_robot import (
     BEHIND_OBJECT_STD, DISPLACED_TIME, FAULT_STD, JUMP_STD, LostRobotMonitor,
@@ -74,7 +74,7 @@ def test_pushes_without_effect_in_a_row_make_the_robot_lost() -> None:
 
 
 @pytest.mark.parametrize('event', [
-    PushSucceeded(Contact.PUSHED, 1.0), PushSucceeded(Contact.TAPPED, 1.0), ObjectTapped(),
+    PushSucceeded(Touch.PUSHED, 1.0), PushSucceeded(Touch.TAPPED, 1.0), ObjectTapped(),
     LostRobotTouched(HOME), TaskStarted()])
 def test_an_object_that_moves_ends_the_count_of_pushes_without_effect(
         event: PushSucceeded | ObjectTapped | LostRobotTouched | TaskStarted) -> None:
@@ -91,10 +91,10 @@ def test_contacts_that_never_fit_refute_the_estimate() -> None:
     lost = monitor()
     for _ in range(MAX_CONTRADICTIONS):
         assert not lost.is_refuted
-        lost.observe(PushSucceeded(Contact.LATERAL, 1.0))
+        lost.observe(PushSucceeded(Touch.LATERAL, 1.0))
     assert lost.is_refuted
     assert f'{MAX_CONTRADICTIONS} contacts in a row' in lost.inconsistency
-    lost.observe(PushSucceeded(Contact.PUSHED, 2.0))
+    lost.observe(PushSucceeded(Touch.PUSHED, 2.0))
     assert not lost.is_refuted and lost.inconsistency == ''
 
 
@@ -106,7 +106,7 @@ def test_an_object_that_moves_twice_without_a_push_has_the_robot_behind_it(angle
     after = Pose(0.06 * math.cos(angle), 0.06 * math.sin(angle), 0.2)
     event = ObjectMoved(HOME, after, after, 100.0)
     assert lost.observe(event) is None
-    lost.observe(PushSucceeded(Contact.PUSHED, 50.0))
+    lost.observe(PushSucceeded(Touch.PUSHED, 50.0))
     assert lost.observe(event) is None
     verdict = lost.observe(event)
     assert isinstance(verdict, PlaceRobot) and verdict.stds == BEHIND_OBJECT_STD

@@ -12,7 +12,7 @@ from push_control.steered.contact_model import ContactModel
 from push_control.steered.estimation.contact_site import initial_contact_site, SITE_SIZE
 from push_control.steered.estimation.filter_kernel import (
     C_SQUARED, LAST, LATEST, MEMORY_SIZE, WALK)
-from push_control.steered.estimation.push_motion import PushState
+from push_control.steered.estimation.push_motion import MotionState
 from push_control.steered.laws.closed_form import ClosedFormLaw
 from push_control.steered.monitors import jackknife_fault, STEERABLE
 from push_control.steered.path.guidance import Guidance
@@ -41,8 +41,9 @@ def make_model(drive, log_c_squared=0.0, offset=0.0, shift=0.0, obj=OBJECT):
     model = ContactModel(obj, robot, SETTINGS, target)
     model.aim(Pose(*target.object_poses[-1].tolist()))
     x, y, theta = target.object_poses[20].tolist()
-    state = PushState(x, y, theta, target.robot_poses[20, 2] + offset,
-                      model.center[0] + shift * model.nominal.arm, model.center[1], log_c_squared)
+    state = MotionState(x, y, theta, target.robot_poses[20, 2] + offset,
+                        model.center[0] + shift * model.nominal.arm, model.center[1],
+                        log_c_squared)
     memory = np.zeros(MEMORY_SIZE)
     memory[:SITE_SIZE] = initial_contact_site(obj, robot, target).numbers
     memory[C_SQUARED:LAST] = model.motion.supports.values

@@ -9,7 +9,7 @@ from push_control.steered.contact_model import ContactModel
 from push_control.steered.estimation.contact_site import initial_contact_site, SITE_SIZE
 from push_control.steered.estimation.filter_kernel import (
     C_SQUARED, LAST, LATEST, MEMORY_SIZE, STATE, WALK)
-from push_control.steered.estimation.push_motion import PushState
+from push_control.steered.estimation.push_motion import MotionState
 from push_control.steered.monitors import STEERABLE
 from push_control.steered.path.guidance import Guidance
 from push_control.steered.path.path import SampledPath
@@ -46,7 +46,7 @@ def looked_at(plant, target):
     memory[:SITE_SIZE] = initial_contact_site(OBJECT, plant.robot, target).numbers
     memory[C_SQUARED:LAST] = model.motion.supports.values
     memory[LAST + 1:STATE] = plant.robot_twist
-    memory[LATEST:WALK] = PushState(*plant.object_pose, plant.robot_pose.theta, *model.center)
+    memory[LATEST:WALK] = MotionState(*plant.object_pose, plant.robot_pose.theta, *model.center)
     guidance = Guidance(SampledPath(model.nominal, target), SETTINGS)
 
     def look():

@@ -6,7 +6,7 @@ from helpers.push_problems import face_problem
 import numpy as np
 from push_model.geometry import Pose
 from push_planner.steered.planner import plan_push
-from push_planner.steered.verification.open_loop import open_loop_simulation, Segment
+from push_planner.steered.verification.open_loop import open_loop_simulation, PushSegment
 from push_planner.steered.verification.verification import (
     INTERVAL_WHEELBASES, merge_steady_segments, segments_of, verify,
 )
@@ -22,7 +22,7 @@ def make_plan():
 
 def test_a_segment_ends_at_its_end():
     """After its duration: angle, speed and length are those of its end."""
-    segment = Segment((0.1, 0.3), (0.1, 0.25), 0.4)
+    segment = PushSegment((0.1, 0.3), (0.1, 0.25), 0.4)
     angle, rate, speed = segment.at(segment.duration)
     assert (angle, speed) == pytest.approx((0.3, 0.25))
     assert rate == pytest.approx((0.3 - 0.1) / 0.4 * 0.25)
@@ -46,8 +46,9 @@ def test_segments_are_those_of_the_plan(plan):
 
 
 def test_only_equal_steady_neighbours_are_merged():
-    steady, other = Segment((0.1, 0.1), (0.2, 0.2), 0.3), Segment((0.2, 0.2), (0.2, 0.2), 0.1)
-    ramp = Segment((0.1, 0.1), (0.2, 0.1), 0.1)
+    steady = PushSegment((0.1, 0.1), (0.2, 0.2), 0.3)
+    other = PushSegment((0.2, 0.2), (0.2, 0.2), 0.1)
+    ramp = PushSegment((0.1, 0.1), (0.2, 0.1), 0.1)
     merged = merge_steady_segments([steady, steady, other, ramp, ramp, steady])
     assert merged == [steady._replace(length=0.6), other, ramp, ramp, steady]
 

@@ -9,7 +9,7 @@ import numpy as np
 from push_control.settings import ControlSettings
 from push_control.steered.estimation.estimator import Estimator
 from push_control.steered.estimation.limit_surface_table import LimitSurfaceTable
-from push_control.steered.estimation.push_motion import PushMotion, PushState
+from push_control.steered.estimation.push_motion import MotionState, PushMotion
 from push_model.events import PushEvent
 from push_model.friction import friction_center
 from push_model.geometry import Pose
@@ -31,7 +31,7 @@ def simulate(obj, seed, duration=40.0, drift=0.0, offset=0.0, noisy=True, latenc
     """
     rng = np.random.default_rng(seed)
     true = PushMotion(0.17, VERTEX, LimitSurfaceTable(obj, VERTEX.point))
-    x = PushState(0.3, -0.2, 0.4, 0.4 + math.pi / 4 + offset, *friction_center(obj))
+    x = MotionState(0.3, -0.2, 0.4, 0.4 + math.pi / 4 + offset, *friction_center(obj))
     way, odometry = 0.0, Odometry(0.0, Pose(0.0, 0.0, x.phi - offset), Twist())
     nominal = PushMotion(0.17, VERTEX, LimitSurfaceTable(NOMINAL, VERTEX.point))
     estimator = Estimator(nominal, SETTINGS, friction_center(NOMINAL), ObjectPose(0.0, x.pose),

@@ -8,7 +8,7 @@ import numpy as np
 from push_control.settings import ControlSettings
 from push_control.steered.estimation.estimator import Estimator, NoiseModel
 from push_control.steered.estimation.limit_surface_table import LimitSurfaceTable
-from push_control.steered.estimation.push_motion import PushMotion, PushState
+from push_control.steered.estimation.push_motion import MotionState, PushMotion
 from push_model.geometry import Pose
 from push_model.signals import ObjectPose, Odometry, PoseCovariance, Twist
 import pytest
@@ -28,7 +28,7 @@ def test_odometry_and_a_late_pose_are_fused_as_in_the_textbook(kind):
     estimator = Estimator(motion, SETTINGS, CENTER, ObjectPose(0.0, start),
                           Odometry(0.0, Pose(0.0, 0.0, start.theta + site.heading), twist))
     noise = NoiseModel.of(SETTINGS, site, CENTER)
-    state = PushState(*start, start.theta + site.heading, *CENTER)
+    state = MotionState(*start, start.theta + site.heading, *CENTER)
     covariance = np.diag(noise.initial)
     for k in range(1, 6):
         estimator.add_odometry(Odometry(0.02 * k, Pose(0.0, 0.0, 0.0), twist))

@@ -6,7 +6,7 @@ from helpers.contact_sites import FACE, ROUND, VERTEX
 from helpers.objects import bin_, box
 import numpy as np
 from push_control.steered.estimation.limit_surface_table import LimitSurfaceTable
-from push_control.steered.estimation.push_motion import PushMotion, PushState
+from push_control.steered.estimation.push_motion import MotionState, PushMotion
 from push_model.dynamics import Input, kinematics, State
 from push_model.friction import friction_center
 from push_model.geometry import Pose
@@ -22,7 +22,7 @@ NOMINAL = box(foot=0.18)
 def test_motion_follows_the_rolling_rule(site, obj):
     """Object velocity as by the model's kinematics, turning as by the supports."""
     motion = PushMotion(0.17, site, LimitSurfaceTable(obj, site.point))
-    state = PushState(0.1, 0.2, 0.7, 0.7 + site.heading + 0.05, *friction_center(obj))
+    state = MotionState(0.1, 0.2, 0.7, 0.7 + site.heading + 0.05, *friction_center(obj))
     twist = Twist(0.12, 0.01, 0.05)
     rates = motion.rates(state, twist)
     c_x, c_y, normal = site.contact_at(state.phi - state.theta)
@@ -50,11 +50,11 @@ def test_the_jacobian_is_that_of_the_motion():
     motion = PushMotion(0.17, VERTEX, LimitSurfaceTable(NOMINAL, VERTEX.point))
     start = np.array((0.1, 0.2, 0.7, 0.72 + math.pi / 4, 0.01, -0.02, 0.3))
     twist, duration, h = Twist(0.15, 0.0, 0.1), 1e-4, 1e-5
-    state = PushState(*start)
+    state = MotionState(*start)
     found, distance = motion.linearize(state, motion.rates(state, twist), duration)
 
     def after(state):
-        return np.array(motion.propagate(PushState(*state), twist, duration))
+        return np.array(motion.propagate(MotionState(*state), twist, duration))
 
     columns = [(after(start + h * e) - after(start - h * e)) / (2 * h) for e in np.eye(7)]
     rates = (np.array(columns).T - np.eye(7)) / duration
@@ -65,6 +65,6 @@ def test_the_jacobian_is_that_of_the_motion():
 def test_an_object_does_not_follow_a_robot_that_backs_off():
     """A push is one-sided."""
     motion = PushMotion(0.17, VERTEX, LimitSurfaceTable(NOMINAL, VERTEX.point))
-    state = PushState(0.0, 0.0, 0.0, math.pi / 4, 0.0, 0.0)
+    state = MotionState(0.0, 0.0, 0.0, math.pi / 4, 0.0, 0.0)
     assert motion.rates(state, Twist(-0.1, 0.0, 0.0))[:3] == (0.0, 0.0, 0.0)
     assert motion.rates(state, Twist(0.1, 0.0, 0.0)).x > 0.0
