@@ -225,6 +225,14 @@ def test_pushes_aim_at_what_noise_leaves_of_the_tolerance(degrees, part):
     assert heading == pytest.approx(part * SUPERVISION.heading_tolerance)
 
 
+def test_strict_tolerances_are_aimed_at_as_a_whole_with_the_usual_noise():
+    """Half of 0.3 degrees would be asked of pushes that cannot do it."""
+    strict = dataclasses.replace(SUPERVISION, position_tolerance=0.003,
+                                 heading_tolerance=math.radians(0.3))
+    control = ControlSettings(pose_noise=0.002, heading_noise=math.radians(0.3))
+    assert aimed_tolerances(control, strict) == (0.003, math.radians(0.3))
+
+
 def test_a_finished_push_is_a_waypoint_only_where_its_plan_ends():
     """Such a push elsewhere, and any other one anywhere, counts as an attempt."""
     plan = straight_push(box(), Pose(-0.37, 0.0, 0.0), 0.1)
