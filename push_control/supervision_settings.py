@@ -25,7 +25,7 @@ MIN_AIM = 0.5
 INTERVAL_PART = 0.5
 # Poses that are averaged soon, and the part that the interval of their average may take up until
 # pushes aim at what it leaves of the tolerances. Chosen: two seconds at 20 Hz; and more than the
-# usual noise of 2 mm and 0.3 degrees takes up of 3 mm and 0.3 degrees, where tasks are done without.
+# usual noise of 2 mm and 0.3 degrees takes up of as strict tolerances, where tasks need no margin.
 QUICK_POSES = 40
 QUICK_PART = 0.6
 

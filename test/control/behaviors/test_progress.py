@@ -216,7 +216,7 @@ def test_tolerances_that_pushes_aim_at_leave_room_for_the_bias():
     assert biases[-1] == 0.5 * SUPERVISION.position_tolerance
 
 
-@pytest.mark.parametrize('degrees, part', [(0.3, 1.0), (1.0, 0.5), (3.0, 0.5)])
+@pytest.mark.parametrize('degrees, part', [(0.3, 1.0), (1.0, 1.0), (1.5, 0.5), (3.0, 0.5)])
 def test_pushes_aim_at_what_noise_leaves_of_the_tolerance(degrees, part):
     """At half of it where averages take long, and at all of it with usual noise."""
     control = ControlSettings(heading_noise=math.radians(degrees))
