@@ -11,6 +11,9 @@ desired speed w, the sent one s, and the least one m, the debt d is the distance
 so that d stays within m T / 2 and a step of the command. This is done for each wheel of a
 differential drive, and for translation, as a vector, and rotation of a holonomic base. Speeds that
 a base rounds to steps are chosen likewise, with the debt of the rounding.
+
+A pulse lasts whole periods of the command, so it may go too far. No pulse starts against the
+desired direction: the base waits until as much is desired.
 """
 
 import math
@@ -67,16 +70,31 @@ class _Channel:
             self._remaining = 0.0
             self._sent = self._rounded(desired, pulse, step)
         elif self._remaining <= TIME_ROUNDING:
-            self._sent = self._next_pulse(least, pulse)
+            self._sent = self._next_pulse(least, pulse, dt)
         return self._sent
 
-    def _next_pulse(self, least: float, pulse: float) -> Vector:
+    def _next_pulse(self, least: float, pulse: float, dt: float) -> Vector:
         """Send a pulse where so much is owed, else nothing."""
-        owed = math.hypot(*self._debt)
-        if owed < 0.5 * least * pulse:
+        # Where nothing is desired, one that goes too far would call for one back, without end.
+        longest = pulse if any(self._desired) else pulse + dt
+        owed_x, owed_y = self._owed_forward()
+        owed = math.hypot(owed_x, owed_y)
+        if owed < 0.5 * least * longest:
             return 0.0, 0.0
         self._remaining = pulse
-        return least * self._debt[0] / owed, least * self._debt[1] / owed
+        return least * owed_x / owed, least * owed_y / owed
+
+    def _owed_forward(self) -> Vector:
+        """Return what is owed, without the part against the desired direction."""
+        speed = math.hypot(*self._desired)
+        if speed == 0.0:
+            return self._debt
+        e_x, e_y = self._desired[0] / speed, self._desired[1] / speed
+        along = self._debt[0] * e_x + self._debt[1] * e_y
+        if along >= 0.0:
+            return self._debt
+        across = self._debt[1] * e_x - self._debt[0] * e_y
+        return -across * e_y, across * e_x
 
     def _rounded(self, desired: Vector, pulse: float, step: float) -> Vector:
         """Round a speed so that its mean is right."""

@@ -91,6 +91,72 @@ def test_the_mean_is_right(drive, seed):
     assert distance == pytest.approx(0.02 * 10.0, abs=height * (0.5 * 0.08 + PERIOD))
 
 
+def times_of(rate, jitter, seconds, seed):
+    """Return times of commands, whose distances vary evenly by the jitter [s]."""
+    rng = np.random.default_rng(seed)
+    count = round(seconds * rate)
+    return np.cumsum(1.0 / rate + rng.uniform(-jitter, jitter, count))
+
+
+@pytest.mark.parametrize('drive', DRIVES)
+@pytest.mark.parametrize('rate', [20, 33, 50])
+@pytest.mark.parametrize('jitter', [0.0, 0.002])
+@pytest.mark.parametrize('pulse', [0.08, 0.104])
+@pytest.mark.parametrize('command', [
+    Twist(0.005, 0.0, 0.0), Twist(-0.02, 0.0, 0.0), Twist(0.04, 0.0, 0.1),
+    Twist(0.0, 0.0, 0.05)])
+def test_no_pulse_goes_against_what_is_desired(drive, rate, jitter, pulse, command):
+    """At any rate of commands, although pulses last whole periods; and the mean is right."""
+    robot = robot_of(drive)
+    shaper = CommandShaper(robot)
+    shaper.knowledge = BaseKnowledge(min_speed=0.05, min_yaw_rate=0.1, pulse=pulse)
+    times = times_of(rate, jitter, 60.0, 5)
+    sent = channels(robot, np.array([shaper.shape(command, time) for time in times.tolist()]))
+    desired = channels(robot, np.array([command]))[0]
+    assert (sent * np.sign(desired) >= -1e-12).all()
+    driven = (sent[:-1] * np.diff(times)[:, None]).sum(axis=0)
+    heights = pulse_height(np.array([0.05, 0.05 if drive == 'differential' else 0.1]).max(),
+                           pulse, MAX_QUANTUM / (0.5 * robot.wheel_track))
+    bound = heights * (0.5 * pulse + np.diff(times).max())
+    assert driven == pytest.approx(desired * (times[-1] - times[0]), abs=bound)
+
+
+@pytest.mark.parametrize('rate', [20, 33, 50])
+@pytest.mark.parametrize('jitter', [0.0, 0.002])
+def test_no_translation_goes_against_a_direction_that_turns(rate, jitter):
+    """No vector has, as its pulse starts, a part against the one that is desired."""
+    robot = robot_of('holonomic')
+    shaper = CommandShaper(robot)
+    shaper.knowledge = BaseKnowledge(min_speed=0.05, min_yaw_rate=0.1, pulse=0.104)
+    times = times_of(rate, jitter, 60.0, 6)
+    desired = [Twist(0.01 * math.cos(0.2 * time), 0.01 * math.sin(0.2 * time), 0.0)
+               for time in times.tolist()]
+    sent = np.array([shaper.shape(command, time)
+                     for command, time in zip(desired, times.tolist())])
+    starts = np.flatnonzero(np.any(np.diff(sent, axis=0), axis=1)) + 1
+    assert (np.sum(sent * desired, axis=1)[starts] >= -1e-12).all()
+    owed = np.cumsum((sent - desired)[:-1] * np.diff(times)[:, None], axis=0)
+    height = pulse_height(0.05, 0.104, MAX_QUANTUM)
+    # What a pulse went too far in one direction is across the desired one after a quarter turn.
+    assert np.hypot(*owed[:, :2].T).max() <= height * (0.104 + np.diff(times).max())
+
+
+@pytest.mark.parametrize('rate', [20, 33, 50])
+@pytest.mark.parametrize('count', range(5, 40, 5))
+def test_a_wheel_that_is_to_stand_does_not_go_to_and_fro(rate, count):
+    """It gets one pulse at most for what it is owed from before."""
+    robot = robot_of('differential', track=0.25)
+    shaper = CommandShaper(robot)
+    about_right = Twist(0.1, 0.0, -0.8)
+    assert wheel_speeds(about_right, robot.wheel_track)[1] == 0.0
+    commands = [Twist(0.01, 0.0, 0.0)] * count + [about_right] * 500
+    right = channels(robot, np.array([shaper.shape(command, k / rate)
+                                      for k, command in enumerate(commands)]))[count:, 1]
+    moves = np.abs(right) > 1e-12
+    assert np.count_nonzero(np.diff(moves.astype(int), prepend=0) == 1) <= 1
+    assert not moves[rate:].any()
+
+
 @pytest.mark.parametrize('drive', DRIVES)
 def test_a_stop_passes_at_once_and_clears_what_is_owed(drive):
     """In the middle of a pulse, and a second one starts as the first did."""
