@@ -48,6 +48,8 @@ class _Channel:
         self._debt: Vector = (0.0, 0.0)
         self._desired: Vector = (0.0, 0.0)
         self._sent: Vector = (0.0, 0.0)
+        # Speed of the present pulse, or of the pause after it.
+        self._pulse: Vector = (0.0, 0.0)
         # Time that the pulse lasts yet [s].
         self._remaining = 0.0
 
@@ -69,8 +71,11 @@ class _Channel:
         if math.hypot(*desired) >= least:
             self._remaining = 0.0
             self._sent = self._rounded(desired, pulse, step)
-        elif self._remaining <= TIME_ROUNDING:
-            self._sent = self._next_pulse(least, pulse, dt)
+            return self._sent
+        if self._remaining <= TIME_ROUNDING:
+            self._limit_debt(least * (pulse + dt))
+            self._pulse = self._next_pulse(least, pulse, dt)
+        self._sent = self._pulse
         return self._sent
 
     def _next_pulse(self, least: float, pulse: float, dt: float) -> Vector:
@@ -83,6 +88,16 @@ class _Channel:
             return 0.0, 0.0
         self._remaining = pulse
         return least * owed_x / owed, least * owed_y / owed
+
+    def _limit_debt(self, bound: float) -> None:
+        """Owe no more than one pulse goes: more is what never could be sent."""
+        owed = math.hypot(*self._debt)
+        if owed > bound:
+            self._debt = bound / owed * self._debt[0], bound / owed * self._debt[1]
+
+    def note_sent(self, sent: Vector) -> None:
+        """Count another speed than was chosen as sent from now on."""
+        self._sent = sent
 
     def _owed_forward(self) -> Vector:
         """Return what is owed, without the part against the desired direction."""
@@ -149,6 +164,21 @@ class CommandShaper:
             return self._shape_wheels(command, dt)
         return self._shape_axes(command, dt)
 
+    def note_sent(self, sent: Twist) -> None:
+        """
+        Note what was sent in place of what was chosen last, so that what is owed is true.
+
+        :param sent: ``Twist``, finite.
+        """
+        first, second = self._channels
+        if self._robot.drive == 'differential':
+            left, right = wheel_speeds(sent, self._robot.wheel_track)
+            first.note_sent((left, 0.0))
+            second.note_sent((right, 0.0))
+        else:
+            first.note_sent((sent.v_x, sent.v_y))
+            second.note_sent((sent.omega, 0.0))
+
     @property
     def _is_needed(self) -> bool:
         known = self.knowledge
@@ -156,7 +186,9 @@ class CommandShaper:
 
     def _shape_wheels(self, command: Twist, dt: float) -> Twist:
         known, robot = self.knowledge, self._robot
-        least = pulse_height(known.min_speed, known.pulse, MAX_QUANTUM)
+        # Wheels that turn against each other do not exceed the yaw rate, either.
+        limit = min(robot.max_speed, 0.5 * robot.wheel_track * robot.max_yaw_rate)
+        least = min(limit, pulse_height(known.min_speed, known.pulse, MAX_QUANTUM))
         desired = wheel_speeds(command, robot.wheel_track)
         left, right = (
             channel.shape((speed, 0.0), dt, least, known.pulse, robot.speed_step)[0]
@@ -172,12 +204,13 @@ class CommandShaper:
         translation, rotation = self._channels
         v_x, v_y = translation.shape(
             (command.v_x, command.v_y), dt,
-            pulse_height(known.min_speed, known.pulse, MAX_QUANTUM), known.pulse,
-            robot.speed_step)
+            min(robot.max_speed, pulse_height(known.min_speed, known.pulse, MAX_QUANTUM)),
+            known.pulse, robot.speed_step)
         omega, _ = rotation.shape(
             (command.omega, 0.0), dt,
-            pulse_height(known.min_yaw_rate, known.pulse, MAX_QUANTUM / lever), known.pulse,
-            robot.speed_step / lever)
+            min(robot.max_yaw_rate,
+                pulse_height(known.min_yaw_rate, known.pulse, MAX_QUANTUM / lever)),
+            known.pulse, robot.speed_step / lever)
         return Twist(v_x, v_y, omega)
 
 

@@ -269,11 +269,15 @@ class SafetyLayer:
         if not all(map(math.isfinite, command)):
             self._stop.report = SafetyReason.COMMAND_NOT_FINITE.report(command=tuple(command))
         self._shaper.knowledge = self._identifier.knowledge
-        allowed = STOP if self.report is not None else command
-        sent = self._limited(self._shaper.shape(allowed, time))
+        allowed = STOP if self.report is not None else self._limited(command)
+        # Pulses that are slowed down would not move the base: what is desired is slowed down.
         ratio = self._speed_ratio(time)
         if ratio < 1.0:
-            sent = Twist(*(ratio * value for value in sent))
+            allowed = Twist(*(ratio * value for value in allowed))
+        chosen = self._shaper.shape(allowed, time)
+        sent = self._limited(chosen)
+        if sent != chosen:
+            self._shaper.note_sent(sent)
         self._expects_odometry = True
         self._motion_check.add_command(sent, self._odometry_time(time))
         self._identifier.add_command(sent, self._odometry_time(time))

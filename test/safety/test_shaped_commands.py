@@ -7,6 +7,7 @@ from helpers.objects import box
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
 from push_model.signals import Odometry, STOP, Twist
+from push_model.wheels import wheel_speeds
 from push_safety.layer import SafetyLayer
 from push_safety.status import SafetyReason
 from push_sim_node.drive_imperfections import DriveImperfections
@@ -68,3 +69,50 @@ def test_a_base_that_is_off_stops_the_robot_as_soon_as_one_without_dead_band(dri
         times.append(next(k for k, twist in enumerate(sent) if k > 50 and twist == STOP))
         assert set(sent[times[-1]:]) == {STOP}
     assert times[0] == times[1]
+
+
+def wheels_of(robot, twists):
+    """Return the speeds of all wheels, in one list."""
+    return [speed for twist in twists for speed in wheel_speeds(twist, robot.wheel_track)]
+
+
+def test_pulses_of_opposite_wheels_stay_within_the_yaw_rate():
+    """And above the dead band, and the base turns as fast as it should."""
+    robot = dataclasses.replace(robot_of('differential'), track=0.23, max_yaw_rate=0.6)
+    sent, layer, _ = driven(robot, robot, 30.0, Twist(0.0, 0.0, 0.1))
+    assert layer.report is None
+    assert max(abs(twist.omega) for twist in sent) <= 0.6 * (1.0 + 1e-9)
+    assert all(abs(speed) < 1e-12 or abs(speed) > 0.05 for speed in wheels_of(robot, sent))
+    assert PERIOD * sum(twist.omega for twist in sent) == pytest.approx(3.0, abs=0.07)
+
+
+@pytest.mark.parametrize('drive', ['differential', 'holonomic'])
+def test_what_a_limit_cuts_off_a_pulse_is_still_owed(drive):
+    """The base cannot accelerate to the height of a pulse: it gets more of them."""
+    robot = dataclasses.replace(robot_of(drive), max_acceleration=0.15)
+    sent, _, _ = driven(robot, robot, 30.0)
+    speeds = [twist.v_x for twist in sent]
+    assert 0.0 < max(speeds[:100]) < 0.1
+    assert PERIOD * sum(speeds) == pytest.approx(30.0 * SLOW.v_x, abs=0.02)
+
+
+def test_pulses_of_a_robot_without_odometry_are_whole_until_it_stands():
+    """It is slowed down by fewer pulses; lower ones would not move its wheels."""
+    robot = robot_of('differential')
+    slowed = 0
+    for last in range(100, 110):
+        layer = SafetyLayer(robot, box())
+        base = ImperfectDrive(robot, DriveImperfections(), Pose(0.0, 0.0, 0.0), 1.0)
+        sent = []
+        for k in range(last + 40):
+            time = PERIOD * k
+            if k <= last:
+                layer.observe(Odometry(time, base.odometry_pose, base.odometry_twist))
+            sent.append(layer.filter(Twist(0.045, 0.0, 0.0), time))
+            base.command(sent[-1])
+            base.step(PERIOD, (0.0, 0.0))
+        speeds = wheels_of(robot, sent)
+        assert all(speed == 0.0 or speed > 0.05 for speed in speeds)
+        slowed += sum(twist != STOP for twist in sent[last + 4:])
+        assert set(sent[last + 15:]) == {STOP}
+    assert slowed > 0
