@@ -10,7 +10,9 @@ odometry measures best,
 and a wheel, or axis, does not turn yet where in a window v covers far less than x(t - tau) does.
 The greatest command in that window is then below its least speed. Pulses that move nothing,
 although they are above that, get longer where the acceleration of the base does not allow it to
-reach their height, and higher else, and come back once they move it.
+reach their height, and higher else, and come back once they move it. A least speed
+whose pulses move the base comes down with them, until its pulses are so small that a lower one
+would gain nothing: what seemed to stand may have been blocked.
 """
 
 from collections import deque
@@ -21,7 +23,7 @@ from typing import NamedTuple
 
 import numpy as np
 from push_base.base_knowledge import BaseKnowledge, PULSE
-from push_base.command_shaper import MARGINS
+from push_base.command_shaper import MARGINS, pulse_heights
 from push_dynamics import actuation
 from push_dynamics.compiled import interpreted
 from push_model.geometry import FloatArray
@@ -62,6 +64,11 @@ STUCK_RATIO = 0.25
 COVERED_RATIO = 0.5
 MIN_STRAIGHTNESS = 0.9
 MOVING_RATIOS = 0.6, 1.6
+# Height times duration of a pulse below which a least speed that is too high costs nothing [m];
+# measured: docs/robots/any_base.md.
+FREE_QUANTUM = 0.012
+# Rounding of speeds.
+ROUNDING = 1.0 - 1e-6
 # Least speeds above these are not believed [m/s], [rad/s]: such a base is blocked, or off. Chosen.
 MAX_LEAST_SPEED, MAX_LEAST_YAW_RATE = 0.13, 0.35
 # Pulses that move nothing are at least so high over the least speed; how pulses get longer, at
@@ -71,7 +78,7 @@ PULSE_RATIO = 1.5
 LONGER, HIGHER, MAX_PULSE = 1.3, 1.3, 0.16
 SHORTER, LOWER = 0.85, 0.95
 CHANGE_PERIOD = 0.5
-# A gap of odometry after which nothing is known of the time before [s].
+# A gap of odometry, or of commands, after which nothing is known of the time before [s].
 MAX_GAP = 0.5
 # Rounding of times [s].
 TIME_ROUNDING = 1e-6
@@ -195,9 +202,9 @@ class BaseIdentifier:
             return
         if measured and not 0.0 < time - measured[-1][0] <= MAX_GAP:
             self.forget()
+        self._advance(time)
         if self._start is None:
             self._start = time
-        self._advance(time)
         self._measured.append((time, *odometry.twist))
         while self._measured[0][0] < time - HISTORY:
             self._measured.popleft()
@@ -210,8 +217,11 @@ class BaseIdentifier:
             self._find_least_speeds(samples[samples[:, 0] > time - WINDOW], time)
 
     def _advance(self, time: float) -> None:
-        """Let the models follow the command until now."""
+        """Let the models follow the command until now; forget all where time jumps."""
         if self._start is None:
+            return
+        if abs(time - self._start - self._count * STEP) > MAX_GAP + STEP:
+            self.forget()
             return
         while self._start + (self._count + 1) * STEP <= time + TIME_ROUNDING:
             self._commands.append(self._command)
@@ -288,18 +298,26 @@ class BaseIdentifier:
         # A base that only coasts tells nothing of what it does with slow commands.
         if min(window.expected, WINDOW * top) <= smallest or window.reverses:
             return
-        is_pulsed = 0.0 < PULSE_RATIO * least <= top
+        # Long pulses are lower than by that ratio.
+        height = min(PULSE_RATIO * least, pulse_heights(self._robot, self.knowledge)[axis])
+        is_pulsed = 0.0 < ROUNDING * height <= top
         is_stuck = all(each.is_stuck for each in windows)
         if is_stuck and not is_pulsed and top <= cap:
             self._evidence[axis] = max(self._evidence[axis], top)
             self._set(axis, max(least, top))
         elif is_pulsed and time >= self._last_change + CHANGE_PERIOD:
+            moved = window.measured / window.expected
             if is_stuck and top <= 2.5 * cap:
                 self._last_change = time
                 self._escalate(axis, min(cap, HIGHER * least))
-            elif MOVING_RATIOS[0] < window.measured / window.expected < MOVING_RATIOS[1]:
+            elif MOVING_RATIOS[0] < moved < MOVING_RATIOS[1]:
                 self._last_change = time
-                self._relax(axis, max(self._evidence[axis], LOWER * least))
+                self._relax(axis, max(self._floor(axis), LOWER * least))
+
+    def _floor(self, axis: int) -> float:
+        """Return below what a least speed that moves the base does not come down."""
+        unit = (1.0, self._half_track)[axis]
+        return min(self._evidence[axis], FREE_QUANTUM / (MARGINS[0] * PULSE * unit))
 
     def _escalate(self, axis: int, higher: float) -> None:
         """Make pulses longer where the base cannot reach their height within them, else higher."""

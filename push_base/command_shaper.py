@@ -186,9 +186,7 @@ class CommandShaper:
 
     def _shape_wheels(self, command: Twist, dt: float) -> Twist:
         known, robot = self.knowledge, self._robot
-        # Wheels that turn against each other do not exceed the yaw rate, either.
-        limit = min(robot.max_speed, 0.5 * robot.wheel_track * robot.max_yaw_rate)
-        least = min(limit, pulse_height(known.min_speed, known.pulse, MAX_QUANTUM))
+        least, _ = pulse_heights(robot, known)
         desired = wheel_speeds(command, robot.wheel_track)
         left, right = (
             channel.shape((speed, 0.0), dt, least, known.pulse, robot.speed_step)[0]
@@ -202,16 +200,30 @@ class CommandShaper:
         known, robot = self.knowledge, self._robot
         lever = 0.5 * robot.wheel_track
         translation, rotation = self._channels
-        v_x, v_y = translation.shape(
-            (command.v_x, command.v_y), dt,
-            min(robot.max_speed, pulse_height(known.min_speed, known.pulse, MAX_QUANTUM)),
-            known.pulse, robot.speed_step)
-        omega, _ = rotation.shape(
-            (command.omega, 0.0), dt,
-            min(robot.max_yaw_rate,
-                pulse_height(known.min_yaw_rate, known.pulse, MAX_QUANTUM / lever)),
-            known.pulse, robot.speed_step / lever)
+        least_speed, least_yaw_rate = pulse_heights(robot, known)
+        v_x, v_y = translation.shape((command.v_x, command.v_y), dt, least_speed, known.pulse,
+                                     robot.speed_step)
+        omega, _ = rotation.shape((command.omega, 0.0), dt, least_yaw_rate, known.pulse,
+                                  robot.speed_step / lever)
         return Twist(v_x, v_y, omega)
+
+
+def pulse_heights(robot: RoundRobot, known: BaseKnowledge) -> tuple[float, float]:
+    """
+    Choose the heights of pulses within the limits of a robot.
+
+    :param robot: the ``RoundRobot``, nominal.
+    :param known: ``BaseKnowledge`` of it.
+    :return: of a wheel or the translation [m/s], and of the rotation of a holonomic base [rad/s].
+    """
+    lever = 0.5 * robot.wheel_track
+    limit = robot.max_speed
+    if robot.drive == 'differential':
+        # Wheels that turn against each other do not exceed the yaw rate, either.
+        limit = min(limit, lever * robot.max_yaw_rate)
+    return (min(limit, pulse_height(known.min_speed, known.pulse, MAX_QUANTUM)),
+            min(robot.max_yaw_rate,
+                pulse_height(known.min_yaw_rate, known.pulse, MAX_QUANTUM / lever)))
 
 
 def pulse_height(least: float, pulse: float, quantum: float) -> float:

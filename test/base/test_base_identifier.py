@@ -2,11 +2,13 @@
 
 import dataclasses
 import math
+from unittest.mock import patch
 
 import numpy as np
-from push_base.base_identifier import BaseIdentifier
+from push_base import base_identifier
+from push_base.base_identifier import BaseIdentifier, FREE_QUANTUM, MAX_GAP, MOVING_RATIOS, STEP
 from push_base.base_knowledge import BaseKnowledge, PULSE
-from push_base.command_shaper import CommandShaper
+from push_base.command_shaper import CommandShaper, MAX_QUANTUM, pulse_height
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
 from push_model.signals import Odometry, STOP, Twist
@@ -37,10 +39,11 @@ def commands(drive, seed, count=400):
                     float(command[2]))
 
 
-def learned(true, stated, sequence, faults=DriveImperfections(), noise=0.0):
+def learned(true, stated, sequence, faults=DriveImperfections(), noise=0.0, known=None):
     """Return the identifier of a base that got commands through the shaper, and the base."""
     rng = np.random.default_rng(11)
     identifier, shaper = BaseIdentifier(stated), CommandShaper(stated)
+    identifier.knowledge = known or identifier.knowledge
     base = ImperfectDrive(true, faults, Pose(0.0, 0.0, 0.0), 1.0)
     for k, command in enumerate(sequence):
         time = PERIOD * k
@@ -126,6 +129,28 @@ def test_pulses_get_longer_behind_a_ramp_and_come_back(drive):
     assert PULSE <= identifier.knowledge.pulse <= 0.16
 
 
+@pytest.mark.parametrize('drive', DRIVES)
+def test_pulses_of_a_good_base_come_back_from_the_cap(drive):
+    """It was blocked: pulses move it, and get short and low until a lower one gains nothing."""
+    stated = robot_of(drive, min_speed=0.13, min_yaw_rate=0.35)
+    known = BaseKnowledge.stated(stated)._replace(pulse=0.16)
+    sequence = [*[Twist(0.25, 0.0, 0.0)] * 75, *[Twist(0.04, 0.0, 0.0)] * 1500]
+    identifier, _ = learned(robot_of(drive), stated, sequence, known=known)
+    assert identifier.knowledge.pulse == PULSE
+    height = pulse_height(identifier.knowledge.min_speed, PULSE, MAX_QUANTUM)
+    assert height * PULSE == pytest.approx(FREE_QUANTUM)
+
+
+@pytest.mark.parametrize('drive', DRIVES)
+@pytest.mark.parametrize('least', [0.05, 0.09, 0.13])
+def test_a_base_with_a_dead_band_goes_on_creeping(drive, least):
+    """Its least speed comes down no farther than to where its pulses still move it."""
+    stated = robot_of(drive, min_speed=least, min_yaw_rate=0.2)
+    known = BaseKnowledge.stated(stated)._replace(pulse=0.16)
+    _, base = learned(stated, stated, [Twist(0.03, 0.0, 0.0)] * 1500, known=known)
+    assert base.odometry_pose.x > MOVING_RATIOS[0] * 0.9
+
+
 def test_a_base_that_stands_above_the_cap_is_not_one_with_a_dead_band():
     """It is blocked or off: no least speed explains that, and the guard has to stop it."""
     identifier = BaseIdentifier(robot_of('differential'))
@@ -153,6 +178,23 @@ def test_what_was_sent_by_others_is_no_evidence():
         identifier.observe(Odometry(100.0 + PERIOD * k, Pose(0.0, 0.0, 0.0),
                                     Twist(0.3 * math.sin(k), 0.0, 0.0)))
     assert identifier.knowledge == known
+
+
+def test_a_jump_of_time_is_not_followed_step_by_step():
+    """Commands whose time is an hour ahead cost nothing, and what was before is forgotten."""
+    def filled():
+        return learned(robot_of('differential'), robot_of('differential'),
+                       [Twist(0.2, 0.0, 0.0)] * 50)[0]
+
+    steps = []
+    for jump in (MAX_GAP, 3600.0, 1e9, -3600.0):
+        identifier = filled()
+        with patch.object(base_identifier, 'track_command',
+                          side_effect=base_identifier.track_command) as follow:
+            identifier.add_command(STOP, PERIOD * 49 + jump)
+        steps.append(follow.call_count)
+    assert steps[0] <= 2 * (MAX_GAP / STEP + 1)
+    assert steps[1:] == [0, 0, 0]
 
 
 def test_where_it_is_told_so_all_stays_as_stated():
