@@ -26,6 +26,8 @@ MAX_SPIN_RATIO = 0.3
 # chosen: one pose in ten thousand is so far off.
 MIN_ADVANCE = 0.008
 ADVANCE_SIGMAS = 4.0
+# Time for which distances of the wheels are kept [s]; chosen: poses that are older are refused.
+MEMORY = 5.0
 # Mean advance of an object that only creeps [m], the same in standard deviations of a pose, poses
 # that are averaged for it, and ratio. Chosen: four deviations of such a mean.
 MIN_CREEP = 0.003
@@ -58,7 +60,11 @@ class SpinWatch:
         :param time: now [s].
         :param distance: since the touch [m].
         """
-        self._driven.append((time, distance))
+        driven = self._driven
+        driven.append((time, distance))
+        # The last but one that is older still gives the distance at the end of the memory.
+        while len(driven) > 2 and driven[1][0] <= time - MEMORY:
+            driven.popleft()
 
     def add_object_pose(self, measured: ObjectPose, contact: Coordinates, direction: float,
                         deviation: float) -> None:
@@ -74,8 +80,20 @@ class SpinWatch:
             return
         self._previous, self._deviation = measured, deviation
         self._advance += _advance(previous.pose, measured.pose, contact, direction)
-        times, distances = np.array(self._driven, dtype=np.float64).T
-        self._rows.append((float(np.interp(measured.time, times, distances)), self._advance))
+        self._rows.append((self._driven_at(measured.time), self._advance))
+
+    def _driven_at(self, time: float) -> float:
+        """Interpolate what the wheels had driven; it is the nearest one outside of the memory."""
+        after = self._driven[-1]
+        if time >= after[0]:
+            return after[1]
+        # Newest first: poses are late by a few commands.
+        for before in reversed(self._driven):
+            if before[0] <= time:
+                slope = (after[1] - before[1]) / (after[0] - before[0])
+                return slope * (time - before[0]) + before[1]
+            after = before
+        return after[1]
 
     @property
     def is_spinning(self) -> bool:

@@ -5,7 +5,7 @@ import math
 from helpers.objects import box
 import numpy as np
 from push_base.push_force import force_warning
-from push_base.spin_watch import SpinWatch
+from push_base.spin_watch import MEMORY, SpinWatch
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
 from push_model.signals import ObjectPose
@@ -80,3 +80,17 @@ def test_the_forces_are_compared_before_the_first_push():
     assert force_warning(obj, RoundRobot(0.17, max_push_force=15.0)) == ''
     warning = force_warning(obj, RoundRobot(0.17, max_push_force=12.0))
     assert '15 N' in warning and '12 N' in warning
+
+
+def test_what_is_kept_of_the_wheels_does_not_grow_with_the_push():
+    """And a pose within the memory gets the distance that the wheels had driven by then."""
+    rng, watch = np.random.default_rng(3), SpinWatch(Pose(0.0, 0.0, 0.0))
+    times = np.cumsum(rng.uniform(0.01, 0.03, 5000))
+    distances = np.cumsum(rng.uniform(0.0, 0.005, 5000))
+    for k, (time, distance) in enumerate(zip(times.tolist(), distances.tolist())):
+        watch.add_distance(time, distance)
+        seen = time - float(rng.uniform(0.0, MEMORY))
+        if k % 50 == 0 and seen > times[0]:
+            assert watch._driven_at(seen) == pytest.approx(
+                float(np.interp(seen, times, distances)), abs=1e-12)
+        assert len(watch._driven) <= MEMORY / 0.01 + 2
