@@ -206,7 +206,9 @@ class PathFollower:
             raise ValueError(f'pose: got {tuple(pose)}, expected finite numbers')
         if not (math.isfinite(dt) and dt >= 0.0):
             raise ValueError(f'dt: got {dt!r}, expected a finite time of at least 0 [s]')
-        predicted = self._predict(pose, dt) if ahead is None else ahead
+        # The lag is followed with ``ahead``, too: that may be missing from the next step on.
+        lagged = self._predict(pose, dt)
+        predicted = lagged if ahead is None else ahead
         if self._passes_end:
             self._check_passing(pose)
             stops = self.missed

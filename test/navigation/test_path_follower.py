@@ -3,6 +3,7 @@
 import dataclasses
 import itertools
 import math
+from unittest.mock import patch
 
 from helpers.objects import bin_, box
 from helpers.paths import drive_along
@@ -290,3 +291,25 @@ def test_it_takes_over_the_motion_that_the_robot_has():
     for name in ('end_speed', 'handover_distance'):
         with pytest.raises(ValueError, match=f'{name}: got'):
             PathFollower(robot, SETTINGS, path, **{name: -0.1})
+
+
+@either
+def test_a_prediction_that_goes_missing_under_way_changes_nothing(drive):
+    """A follower that got its own prediction from outside goes on as one without."""
+    robot = ROBOTS[drive]
+    start, goal = Pose(0.0, 0.0, 0.0), Pose(1.0, 0.0, 0.0)
+    waypoints = [(0.0, 0.0, 0.0), (1.0, 0.0, 0.0)]
+    path = (differential_path(start, goal, waypoints, [False]) if drive == 'differential'
+            else holonomic_path(start, goal, waypoints))
+    alone, told = (PathFollower(robot, SETTINGS, path) for _ in range(2))
+    with patch.object(alone, '_predict', wraps=alone._predict) as predict:
+        lagged = []
+        predict.side_effect = lambda *args: lagged.append(
+            PathFollower._predict(alone, *args)) or lagged[-1]
+        pose, commands = Pose(0.0, 0.0, 0.0), []
+        for k in range(100):
+            command = alone.step(pose, 0.02)
+            commands.append((command, told.step(pose, 0.02, lagged[-1] if k < 50 else None)))
+            pose = Pose(pose.x + 0.02 * command.v_x, 0.001, 0.0)
+    assert any(command != STOP for command, _ in commands)
+    assert all(command == other for command, other in commands)
