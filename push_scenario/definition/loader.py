@@ -3,7 +3,8 @@ Scenario files: YAML to ``Scenario`` and back.
 
 ``object``, ``robot`` and ``sensors`` may name a file of ``config/objects``, ``config/robots`` or
 ``config/sensors`` (key ``file``) and change parts of it; ``true_object`` and ``true_robot`` hold
-only what differs from them. A map may name a file of ``config/maps``, or one of
+only what differs from them. ``true_base`` names a file of ``config/bases``, which holds parts of
+``true_robot`` and of ``simulation.drive``. A map may name a file of ``config/maps``, or one of
 ``nav2_map_server``.
 """
 
@@ -16,6 +17,7 @@ from push_model.files.mapping import expect_mapping, from_mapping, Location, mer
 from push_model.files.strict_yaml import load_yaml, ParameterFileError, parse_yaml
 from push_navigation.map_file import read_map
 from push_navigation.settings import MapSettings
+from push_scenario.definition.bases import FOLDER, read_base
 from push_scenario.definition.catalogue import find_scenario
 from push_scenario.definition.floor_map import floor_map_values, FloorMap
 from push_scenario.definition.scenario import Scenario
@@ -97,6 +99,8 @@ def _scenario(data: dict[str, Any], name: str, at: Location, directory: Path | N
     if 'name' in data:
         raise at.key('name').error(f'got {data["name"]!r}, expected no such key: a scenario has '
                                    'the name of its file')
+    if 'true_base' in data:
+        data = _with_true_base(data, at, directory)
     for key, (true_key, folder) in NOMINAL_KEYS.items():
         if key not in data:
             continue
@@ -110,6 +114,17 @@ def _scenario(data: dict[str, Any], name: str, at: Location, directory: Path | N
         data['task'] = {**task, 'map': _floor_map(cast(dict[str, Any], task), at.key('task'),
                                                   directory)}
     return from_mapping(Scenario, {'name': name, **data}, at)
+
+
+def _with_true_base(data: dict[str, Any], at: Location, directory: Path | None) -> dict[str, Any]:
+    """Merge the base that a scenario names into its true robot and the simulated drive."""
+    rest = {key: value for key, value in data.items() if key != 'true_base'}
+    path = _file(data['true_base'], at.key('true_base'), FOLDER, directory)
+    base = read_base(path)
+    true_robot = expect_mapping(rest.get('true_robot', {}), at.key('true_robot'))
+    simulation = expect_mapping(rest.get('simulation', {}), at.key('simulation'))
+    return {**rest, 'true_robot': merge(base['robot'], true_robot, at.key('true_robot')),
+            'simulation': merge({'drive': base['drive']}, simulation, at.key('simulation'))}
 
 
 def _floor_map(task: dict[str, Any], at: Location, directory: Path | None) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from push_scenario.definition.task import Task
 from push_sim_node.sensors import SensorSettings
 from push_sim_node.settings import SimulationSettings
 
-EXPECTATIONS = ('reached', 'refused')
+EXPECTATIONS = ('reached', 'refused', 'too_heavy')
 # Rounding of poses in scenario files: less is no overlap, and no normal out of range [m], [rad].
 MAX_OVERLAP = 1e-6
 NORMAL_TOLERANCE = 1e-9

@@ -32,13 +32,13 @@ def result_of(name, law='feedback'):
 
 @pytest.mark.parametrize('name', [name for name in scenario_names() if name.startswith('task_')])
 def test_every_task_ends_as_expected(name):
-    """The object rests at its goal, the robot is clear of it, both stand."""
+    """Both stand; where the task is done the object is at its goal, the robot clear of it."""
     result = result_of(name)
     assert is_as_expected(result), format_report([result])
     final = dict(zip(result.tape.columns, result.tape.rows[-1]))
     rest = [final[f'{body}_v_{axis}'] for body in ('object', 'robot') for axis in 'xy']
     assert np.abs(rest).max() < 2e-3
-    assert final['gap'] > CLEARANCE
+    assert result.outcome is not Outcome.DONE or final['gap'] > CLEARANCE
 
 
 @pytest.mark.parametrize('name', ['task_approach', 'task_displacement'])
