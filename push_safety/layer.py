@@ -12,6 +12,7 @@ import math
 from typing import Protocol
 
 from push_base.base_identifier import BaseIdentifier
+from push_base.base_knowledge import BaseKnowledge
 from push_base.command_shaper import CommandShaper
 from push_model.observation import Observation
 from push_model.parameters import PushedObject, RoundRobot
@@ -128,6 +129,11 @@ class SafetyLayer:
     def report(self) -> SafetyReport | None:
         """Why the robot is stopped, None while all is well."""
         return self._stop.report
+
+    @property
+    def base_knowledge(self) -> BaseKnowledge:
+        """What is known of the base, as stated and as learned from its motion."""
+        return self._identifier.knowledge
 
     @property
     def awaits_resume(self) -> bool:

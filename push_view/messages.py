@@ -13,6 +13,7 @@ import math
 from typing import Any
 
 import numpy as np
+from push_base.base_knowledge import BaseKnowledge
 from push_control.task.status import StateChange
 from push_model.friction import friction_center
 from push_model.geometry import Coordinates, FloatArray, Pose
@@ -63,7 +64,7 @@ def scenario_message(scenario: Scenario, law: str, columns: Sequence[str]) -> Me
     """
     return scene_message(scenario.name.replace('_', ' '), scenario.object, scenario.robot,
                          columns, description=scenario.description, law=law,
-                         bounds=scenario.bounds)
+                         bounds=scenario.bounds) | {'true_base': _base_values(scenario.true_robot)}
 
 
 def object_values(obj: PushedObject) -> Message:
@@ -77,8 +78,24 @@ def object_values(obj: PushedObject) -> Message:
 
 
 def robot_values(robot: RoundRobot) -> Message:
-    """Describe a robot."""
-    return {'radius': robot.radius, 'drive': robot.drive}
+    """Describe a robot, with what is stated of its base."""
+    return {'radius': robot.radius, 'drive': robot.drive, **_base_values(robot)}
+
+
+def base_message(time: float, base: BaseKnowledge) -> Message:
+    """
+    State what the controller knows of its base from a time on.
+
+    :param time: [s].
+    """
+    return {'type': 'base', 'time': _rounded_number(time), **_base_values(base),
+            'pulse': _rounded_number(base.pulse)}
+
+
+def _base_values(base: RoundRobot | BaseKnowledge) -> Message:
+    return {'dead_time': _rounded_number(base.dead_time),
+            'min_speed': _rounded_number(base.min_speed),
+            'min_yaw_rate': _rounded_number(base.min_yaw_rate)}
 
 
 def rows_message(rows: Iterable[Sequence[float]] | FloatArray) -> Message:

@@ -1,12 +1,13 @@
 """ROS node of the page: it shows a robot, and commands it where that is asked for."""
 
 import argparse
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 import dataclasses
 import secrets
 import sys
 from typing import Any
 
+from push_base.base_knowledge import BaseKnowledge
 from push_control.task.status import TaskState
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
@@ -180,6 +181,23 @@ class ViewNode(PushNode):
             values = status_values(status) if status.name == self._controller else {}
             if 'state' in values:
                 self._record.on_state(TaskState(values['state']), values.get('reason', ''))
+            base = base_knowledge(values)
+            if base is not None:
+                self._record.on_base(base)
+
+
+def base_knowledge(values: Mapping[str, str]) -> BaseKnowledge | None:
+    """
+    Read what a controller reports of its base.
+
+    :param values: of its diagnostic, by name.
+    :return: the ``BaseKnowledge``; None where nothing is reported of it.
+    """
+    names = [name for name in BaseKnowledge._fields if name in values]
+    try:
+        return BaseKnowledge(**{name: float(values[name]) for name in names}) if names else None
+    except ValueError:
+        return None
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

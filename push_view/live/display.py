@@ -1,30 +1,36 @@
 """What the page has been shown of a run, and what of it is new."""
 
+from push_base.base_knowledge import BaseKnowledge
+from push_safety.layer import SafetyLayer
 from push_scenario.simulation.robot_control import TaskControl
 from push_sim_node.simulation import Simulation
 from push_view.belief import BeliefSampler
-from push_view.messages import plan_message, rows_message, state_message
+from push_view.messages import base_message, plan_message, rows_message, state_message
 from push_view.server.message_log import MessageLog
 
 
 class RunDisplay:
     """
-    Sends the page what is new of a run: rows of the tape, changes of state, plans.
+    Sends the page what is new of a run: rows of the tape, changes of state, plans, what is
+    learned of the base.
 
     ``time``: of the last row [s], at which the page shows what is changed now.
 
     :param log: where the messages go.
     :param simulation: the ``Simulation``.
     :param robot: the ``TaskControl``.
+    :param safety: the ``SafetyLayer``, which learns what the base is like.
     :param support_count: number of supports of the object.
     """
 
     def __init__(self, log: MessageLog, simulation: Simulation, robot: TaskControl,
-                 support_count: int) -> None:
+                 safety: SafetyLayer, support_count: int) -> None:
         self.time = 0.0
         self._log = log
         self._simulation = simulation
         self._robot = robot
+        self._safety = safety
+        self._base: BaseKnowledge | None = None
         self._belief = BeliefSampler(support_count)
         self._rows: list[tuple[float, ...]] = []
         self._row_count = 0
@@ -46,6 +52,9 @@ class RunDisplay:
         for plan in found[plans:]:
             self._log.add(plan_message(self._simulation.time, plan))
         self._shown = len(history), len(found)
+        if self._safety.base_knowledge != self._base:
+            self._base = self._safety.base_knowledge
+            self._log.add(base_message(self._simulation.time, self._base))
 
     def send_rows(self) -> None:
         """Show the rows that were taken."""

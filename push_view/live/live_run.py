@@ -53,7 +53,7 @@ class LiveRun:
         self._robot.set_map(occupancy_map)
         safety: SafetyLayer = make_safety_layer(scenario)
         self._loop = ClosedLoop(self._simulation, self._robot, safety, observation)
-        self._display = RunDisplay(log, self._simulation, self._robot,
+        self._display = RunDisplay(log, self._simulation, self._robot, safety,
                                    len(scenario.object.supports))
         self._show_start(setup)
 

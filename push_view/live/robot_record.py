@@ -2,6 +2,7 @@
 
 import math
 
+from push_base.base_knowledge import BaseKnowledge
 from push_control.task.status import StateChange, TaskState
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
@@ -10,7 +11,7 @@ from push_model.trajectory import PushTrajectory
 from push_navigation.occupancy_map import OccupancyMap
 from push_view.live.measured_contact import MeasuredContact
 from push_view.messages import (
-    goal_message, map_message, push_message, rows_message, scene_message, state_message,
+    base_message, goal_message, map_message, push_message, rows_message, scene_message, state_message,
 )
 from push_view.server.message_log import MessageLog
 
@@ -126,9 +127,16 @@ class RobotRecorder:
             self._state = state, reason
             self._log.add(state_message(StateChange(self.time, state, reason)))
 
+    def on_base(self, base: BaseKnowledge) -> None:
+        """Show what the controller knows of the base, unless it is shown."""
+        if base != self._base:
+            self._base = base
+            self._log.add(base_message(self.time, base))
+
     def _start(self) -> None:
         """Show a new run, with what still holds of the former one."""
         self._time = -math.inf
+        self._base: BaseKnowledge | None = None
         self._state: tuple[TaskState, str] | None = None
         self._log.clear()
         self._log.add(self._scene)

@@ -13,9 +13,11 @@ from push_model.files.parameter_files import (
 )
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject
+from push_scenario.definition.bases import base_names, FOLDER, with_base
 from push_scenario.definition.placement import Placement
 from push_scenario.definition.scenario import Scenario
 from push_scenario.definition.task import Task
+from push_sim_node.drive_imperfections import DriveImperfections
 from push_sim_node.sensors import SensorSettings
 from push_view.live.settings import setting_messages
 from push_view.messages import controls_message, Message
@@ -23,6 +25,9 @@ from push_view.server.commands import CommandRefused
 
 # A task has no open loop.
 TASK_LAWS = tuple(law for law in LAWS if law != 'open_loop')
+# Names of a base that does what its robot states, and of things that no file describes.
+GOOD_BASE = 'good'
+OF_SCENARIO = 'as in the scenario'
 
 
 @dataclasses.dataclass(frozen=True)
@@ -32,7 +37,7 @@ class Setup:
 
     :param scenario: the ``Scenario``.
     :param task: its ``Task``.
-    :param choices: names of ``object``, ``robot`` and ``law``.
+    :param choices: names of ``object``, ``robot``, ``base`` and ``law``.
     """
 
     scenario: Scenario
@@ -51,19 +56,26 @@ class Setup:
         return cls(scenario, scenario.task, {
             'object': _name_of(scenario.object, 'objects', read_object),
             'robot': _name_of(scenario.robot, 'robots', read_robot),
+            'base': _base_name(scenario),
             'law': scenario.control.control_law})
 
     def with_choices(self, choices: Mapping[str, str]) -> Setup:
         """
         Put something else in it; its true parameters are the nominal ones at first.
 
+        Another robot has the base that was chosen before.
+
         :param choices: names to names, some of those of ``choices``.
         :raises CommandRefused: where there is no such thing.
         """
-        setup = self
+        setup, chosen = self, {**self.choices, **choices}
+        if 'robot' in choices and chosen['base'] == OF_SCENARIO:
+            chosen['base'] = GOOD_BASE
         for name, value in choices.items():
             setup = setup._with_choice(name, value)
-        return dataclasses.replace(setup, choices={**self.choices, **choices})
+        if 'robot' in choices or 'base' in choices:
+            setup = setup._with_base(chosen['base'])
+        return dataclasses.replace(setup, choices=chosen)
 
     def with_true_object(self, obj: PushedObject) -> Setup:
         """Change the truth, of which the robot is not told."""
@@ -79,7 +91,8 @@ class Setup:
 
     def controls(self) -> Message:
         """Describe what can be chosen and changed, with its present values."""
-        options = {'object': _names('objects'), 'robot': _names('robots'), 'law': TASK_LAWS}
+        options = {'object': _names('objects'), 'robot': _names('robots'),
+                   'base': (GOOD_BASE, *base_names()), 'law': TASK_LAWS}
         choices = [{'name': name, 'value': value,
                     'options': list(dict.fromkeys((value, *options[name])))}
                    for name, value in self.choices.items()]
@@ -96,13 +109,32 @@ class Setup:
             return self._with_scenario(object=obj, true_object=obj)
         if name == 'robot':
             robot = read_robot(_known('robots', value))
-            return self._with_scenario(robot=robot, true_robot=robot)
+            return self._with_scenario(robot=robot)
+        if name == 'base':
+            return self
         if name == 'law' and value in TASK_LAWS:
             return self._with_scenario(control=dataclasses.replace(
                 self.scenario.control, control_law=value))
         raise CommandRefused(
-            f'choose.{name[:60]}: got {value[:60]!r}, expected an object, a robot or a '
-            f'law ({", ".join(TASK_LAWS)})')
+            f'choose.{name[:60]}: got {value[:60]!r}, expected an object, a robot, a '
+            f'base or a law ({", ".join(TASK_LAWS)})')
+
+
+    def _with_base(self, name: str) -> Setup:
+        """Put another base below the robot; robot and sensors are not informed."""
+        if name != GOOD_BASE:
+            return dataclasses.replace(self, scenario=with_base(
+                self.scenario, _known(FOLDER, name)))
+        ideal = dataclasses.replace(self.scenario.simulation, drive=DriveImperfections())
+        return self._with_scenario(true_robot=self.scenario.robot, simulation=ideal)
+
+
+def _base_name(scenario: Scenario) -> str:
+    """Find out which base of the package a scenario has."""
+    if (scenario.true_robot, scenario.simulation.drive) == (scenario.robot, DriveImperfections()):
+        return GOOD_BASE
+    return next((name for name in base_names()
+                 if with_base(scenario, named_file(FOLDER, name)) == scenario), OF_SCENARIO)
 
 
 def _known(folder: str, value: str) -> Any:
@@ -120,4 +152,4 @@ def _names(folder: str) -> list[str]:
 def _name_of(value: Any, folder: str, read: Callable[[Any], Any]) -> str:
     """Find out which file of the package describes an object or a robot."""
     return next((name for name in _names(folder) if read(named_file(folder, name)) == value),
-                'as in the scenario')
+                OF_SCENARIO)

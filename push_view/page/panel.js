@@ -42,6 +42,11 @@ const LEGEND = [
   ['friction of a foot: true, nominal', '<circle cx="9" cy="9" r="5" fill="var(--object)" fill-opacity=".5"/><circle cx="22" cy="9" r="5" fill="none" stroke="var(--faint)" stroke-dasharray="3 2"/>'],
 ];
 
+// What the controller learns of a base: its name in messages, on the page, in which unit and with how many decimals.
+const BASE_VALUES = [
+  ['dead_time', 'dead time', 's', 2], ['min_speed', 'least speed', 'm/s', 3],
+  ['min_yaw_rate', 'least yaw rate', 'rad/s', 2], ['pulse', 'pulse', 's', 2]];
+
 class Panel {
   constructor(onTime) {
     this.onTime = onTime;
@@ -64,8 +69,21 @@ class Panel {
     this.friction = scene.object.supports.map((support, i) => this.frictionRow(
       body, `foot ${i + 1} (${support[0].toFixed(2)}, ${support[1].toFixed(2)})`, `friction.${i}`));
     this.friction.push(this.frictionRow(body, 'contact', 'contact_friction'));
+    this.setBase(recording.scene);
     this.eventsVersion = '';
     this.inputs.clear();
+  }
+
+  // A differential drive has least speeds of its wheels only.
+  setBase(scene) {
+    const body = byId('base').tBodies[0];
+    body.textContent = '';
+    const isHolonomic = scene.robot.drive === 'holonomic';
+    this.base = BASE_VALUES.filter(([name]) => isHolonomic || name !== 'min_yaw_rate').map(([name, label, unit, digits]) => {
+      const row = body.insertRow();
+      cell(row, `${label} [${unit}]`, 'th').scope = 'row';
+      return { name, digits, cells: [0, 1, 2].map(() => cell(row, '')) };
+    });
   }
 
   frictionRow(body, name, setting) {
@@ -86,6 +104,7 @@ class Panel {
     this.showState(state, ending);
     this.showValues(recording, values, time);
     this.showFriction(recording, values, time);
+    this.showBase(recording, time);
     this.showEvents(recording, time);
   }
 
@@ -142,6 +161,17 @@ class Panel {
       setText(cells.nominal, text(isContact ? nominal.contact_friction : nominal.friction[i]));
       setText(cells.believed, text(values(isContact ? 'believed_contact_friction' : `believed_friction_${i}`)));
     });
+  }
+
+  showBase(recording, time) {
+    const learned = recording.latest('base', time), scene = recording.scene;
+    byId('base-section').hidden = !learned;
+    for (const { name, digits, cells } of this.base) {
+      [scene.true_base, scene.robot, learned].forEach((values, i) => {
+        const value = values && values[name];
+        setText(cells[i], Number.isFinite(value) ? value.toFixed(digits) : '–');
+      });
+    }
   }
 
   showEvents(recording, time) {

@@ -1,7 +1,7 @@
 'use strict';
 // A run as its messages describe it: columns of numbers over time, and what held from when on.
 
-const KINDS = ['state', 'goal', 'plan', 'map', 'truth', 'displacement', 'collision', 'ending'];
+const KINDS = ['state', 'goal', 'plan', 'map', 'truth', 'base', 'displacement', 'collision', 'ending'];
 const ANGLES = /(_theta|_angle|^normal)$/;
 // Rows that a page keeps: an hour at 25 Hz; then the older half goes.
 const MOST_ROWS = 90000;

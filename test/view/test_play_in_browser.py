@@ -104,4 +104,9 @@ def test_settings_reach_the_simulation(browser):
     browser.run('const s = document.querySelector("select[name=object]"); s.value = "bin";'
                 's.dispatchEvent(new Event("change"))')
     browser.wait('app.recording.scene.object.radius > 0 && app.recording.end > 0.1')
+    browser.run('const s = document.querySelector("select[name=base]"); s.value = "late_02";'
+                's.dispatchEvent(new Event("change"))')
+    browser.wait('app.recording.scene.true_base.dead_time === 0.2 && app.recording.end > 0.1')
+    browser.wait('document.getElementById("base").tBodies[0].rows[0].innerText'
+                 '.replace(/\\s+/g, " ") === "dead time [s] 0.20 0.00 0.00"')
     assert browser.errors() == []

@@ -1,5 +1,6 @@
 """A live session, as its user drives it: real simulation, planner and controller."""
 
+import dataclasses
 import json
 import math
 
@@ -156,6 +157,7 @@ def test_sensors_change_under_way(session):
     ('set', {'name': 'friction.0', 'value': 7}, 'set.value: got 7, expected 0.05 to 1'),
     ('choose', {'object': '../secret'}, 'choose: got .*expected one of objects'),
     ('choose', {'law': 'open_loop'}, 'choose.law: got .open_loop.'),
+    ('choose', {'base': 'perfect'}, 'choose: got .perfect., expected one of bases: dead_band_005'),
     ('choose', {'colour': 'red'}, 'choose.colour: got .red.'),
 ])
 def test_what_cannot_be_done_is_refused_and_nothing_changes(session, kind, values, words):
@@ -176,6 +178,56 @@ def test_another_object_starts_another_run(session):
     session.handle(command('step'))
     assert session.paused and session.time == pytest.approx(0.02)
     assert messages(session, 'run')[-1]['paused']
+
+
+def base_choice(session):
+    """Return the name of the base that is chosen."""
+    return next(choice['value'] for choice in messages(session, 'controls')[-1]['choices']
+                if choice['name'] == 'base')
+
+
+def test_another_base_is_not_made_known_to_the_robot(session):
+    """Only the true robot and the drive change; another robot keeps the base."""
+    before = session._setup.scenario
+    assert base_choice(session) == 'good'
+    session.handle(command('choose', base='dead_band_008'))
+    scenario = session._setup.scenario
+    assert scenario == dataclasses.replace(before, true_robot=dataclasses.replace(
+        before.robot, min_speed=0.08, min_yaw_rate=0.15))
+    scene, = messages(session, 'scene')
+    assert (scene['robot']['min_speed'], scene['true_base']['min_speed']) == (0.0, 0.08)
+    session.handle(command('choose', base='smoother', robot='holonomic_017'))
+    scenario = session._setup.scenario
+    assert scenario.true_robot == scenario.robot and scenario.robot.drive == 'holonomic'
+    assert scenario.simulation.drive.smoother_acceleration == 0.3
+    session.handle(command('choose', robot='create3'))
+    assert base_choice(session) == 'smoother'
+    assert session._setup.scenario.simulation == scenario.simulation
+    session.handle(command('choose', base='good', robot='disc_017'))
+    assert session._setup.scenario == before
+
+
+@pytest.mark.parametrize('name, base', [('task_late_base', 'late_03'), ('task_tap', 'good')])
+def test_the_base_of_a_scenario_has_its_name(name, base):
+    """Also one that no file describes."""
+    scenario = load_scenario(name)
+    assert Setup.of(scenario).choices['base'] == base
+    other = dataclasses.replace(scenario, true_robot=dataclasses.replace(
+        scenario.true_robot, dead_time=0.17))
+    setup = Setup.of(other)
+    assert setup.choices['base'] == 'as in the scenario'
+    assert setup.with_choices({'robot': 'create3'}).choices['base'] == 'good'
+
+
+@pytest.mark.slow
+def test_what_is_learned_of_a_base_is_shown(session):
+    """Nothing at first, and something near the truth at the end of a task."""
+    session.handle(command('choose', base='late_03'))
+    advance_until_standing(session)
+    first, *_, last = messages(session, 'base')
+    assert (first['time'], first['dead_time'], first['min_speed']) == (0.0, 0.0, 0.0)
+    assert last['dead_time'] == pytest.approx(0.3, abs=0.06)
+    assert last['pulse'] > 0.0
 
 
 def test_a_single_push_is_no_session():

@@ -17,6 +17,7 @@ from push_ros.conversions.measurements import to_object_pose_message, to_odometr
 from push_scenario.definition.loader import load_scenario
 from push_view.live.robot_record import RobotRecorder, ROW_PERIOD
 from push_view.server.message_log import MessageLog
+from push_view.view_node import base_knowledge
 import pytest
 from std_srvs.srv import Trigger
 
@@ -135,6 +136,20 @@ def test_what_was_given_in_a_frame_that_drifts_is_moved():
     record.move_map(correction)
     assert shown(log, 'goal')[-1]['pose'] == pytest.approx([1.1, -0.2, 0.5])
     assert shown(log, 'map')[-1]['origin'] == pytest.approx([-0.9, -1.2, 0.0])
+
+
+def test_what_the_controller_reports_of_its_base_is_shown_once():
+    """Again where it changes; what is no number is not shown."""
+    log = MessageLog()
+    record = RobotRecord(log, 'robot', SCENARIO.object, SCENARIO.robot)
+    values = {'dead_time': '0.24', 'min_speed': '0.051', 'pulse': '0.12', 'state': 'push'}
+    for known in (values, values, {**values, 'dead_time': '0.3'}):
+        record.on_base(base_knowledge(known))
+    assert [message['dead_time'] for message in shown(log, 'base')] == [0.24, 0.3]
+    assert shown(log, 'base')[-1].items() >= {'min_speed': 0.051, 'min_yaw_rate': 0.0,
+                                              'pulse': 0.12}.items()
+    assert base_knowledge({'state': 'push'}) is None
+    assert base_knowledge({'dead_time': 'unknown'}) is None
 
 
 def test_time_begins_with_the_first_measurement_and_again_when_it_goes_back():
