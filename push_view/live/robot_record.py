@@ -11,7 +11,8 @@ from push_model.trajectory import PushTrajectory
 from push_navigation.occupancy_map import OccupancyMap
 from push_view.live.measured_contact import MeasuredContact
 from push_view.messages import (
-    base_message, goal_message, map_message, push_message, rows_message, scene_message, state_message,
+    base_message, goal_message, map_message, push_message, rows_message, scene_message,
+    state_message,
 )
 from push_view.server.message_log import MessageLog
 

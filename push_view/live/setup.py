@@ -119,7 +119,6 @@ class Setup:
             f'choose.{name[:60]}: got {value[:60]!r}, expected an object, a robot, a '
             f'base or a law ({", ".join(TASK_LAWS)})')
 
-
     def _with_base(self, name: str) -> Setup:
         """Put another base below the robot; robot and sensors are not informed."""
         if name != GOOD_BASE:

@@ -153,7 +153,8 @@ def test_the_robot_is_placed_at_the_contact(tmp_path, contact, normal, gap):
     (('goal:', 'true_object: {supports: [{}]}\ngoal:'),
      ('true_object.supports: got 1 items, expected 2',)),
     (('goal:', 'true_object: {colour: red}\ngoal:'), ('true_object.colour: got an unknown key',)),
-    (('goal:', 'expected: fun\ngoal:'), ("got 'fun', expected one of reached, refused, too_heavy",)),
+    (('goal:', 'expected: fun\ngoal:'),
+     ("got 'fun', expected one of reached, refused, too_heavy",)),
     (('goal:', 'name: me\ngoal:'), ("name: got 'me', expected no such key",)),
     (('goal:', ': : goal'), (':13: ',)),
 ])
