@@ -3,7 +3,7 @@
 import dataclasses
 import math
 
-from benchmarks.calibration import (
+from benchmarks.calibration.bases import (
     calibrate, draw_base, errors_of, OBJECT_POSE, simulation_of, TOLERANCES,
 )
 import numpy as np
