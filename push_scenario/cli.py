@@ -10,7 +10,6 @@ from collections.abc import Callable, Iterator, Sequence
 import dataclasses
 from importlib import util
 import math
-import os
 from pathlib import Path
 import sys
 import time
@@ -22,6 +21,7 @@ from push_scenario.definition.catalogue import (
     find_scenario, scenario_description, scenario_names,
 )
 from push_scenario.interrupts import Interrupts
+from push_scenario.terminal_line import TerminalLine
 
 if TYPE_CHECKING:
     from push_scenario.definition.scenario import Scenario
@@ -34,9 +34,6 @@ AS_EXPECTED, NOT_AS_EXPECTED, MISUSE, INTERRUPTED = 0, 1, 2, 130
 # How often progress is shown: smoothly in a terminal, without flooding a log [s].
 TERMINAL_PERIOD = 0.1
 LOG_PERIOD = 5.0
-# Window of a terminal that does not tell its size, and what stands for the rest of a line.
-DEFAULT_COLUMNS = 80
-ELLIPSIS = '...'
 # Commands of a recording that are listed where they differ; chosen: the first tell most.
 MAX_DIFFERENCES = 5
 # What a first run compiles and computes takes longer than this [s]; chosen.
@@ -55,7 +52,7 @@ class ProgressLine:
     """
 
     def __init__(self, stream: TextIO, clock: Callable[[], float], title: str) -> None:
-        self._stream = stream
+        self._line = TerminalLine(stream)
         self._clock = clock
         self._title = title
         self._started = self._shown = clock()
@@ -63,7 +60,6 @@ class ProgressLine:
         self._first: tuple[float, float] | None = None
         self._last_time = math.inf
         self._stage = ''
-        self._width = 0
 
     def __call__(self, progress: 'Progress') -> None:
         """Show progress, unless something was shown a moment ago."""
@@ -71,13 +67,13 @@ class ProgressLine:
         if self._first is None and progress.time > self._last_time:
             self._first = now, progress.time
         self._last_time = progress.time
-        period = TERMINAL_PERIOD if self._stream.isatty() else LOG_PERIOD
+        period = TERMINAL_PERIOD if self._line.is_overwritten else LOG_PERIOD
         if progress.stage == self._stage and now - self._shown < period:
             return
         self._stage, self._shown = progress.stage, now
-        self._write(f'{self._title}: {progress.stage}, {progress.time:.1f} s simulated'
-                    f'{self._speed(progress.time, now)}, {progress.distance:.3f} m to the goal'
-                    f'{self._hint(now)}')
+        self._line.write(f'{self._title}: {progress.stage}, {progress.time:.1f} s simulated'
+                         f'{self._speed(progress.time, now)}, {progress.distance:.3f} m to the goal'
+                         f'{self._hint(now)}')
 
     def end(self, text: str) -> None:
         """
@@ -85,7 +81,8 @@ class ProgressLine:
 
         :param text: how it ended.
         """
-        self._write(f'{self._title}: {text}, {self._clock() - self._started:.1f} s', is_last=True)
+        self._line.write(f'{self._title}: {text}, {self._clock() - self._started:.1f} s',
+                         is_last=True)
 
     def _speed(self, time: float, now: float) -> str:
         if self._first is None or now - self._first[0] < MIN_TIMED:
@@ -97,27 +94,6 @@ class ProgressLine:
         if self._first is not None or now - self._started < HINT_DELAY:
             return ''
         return ' (nodes start and plan; what is used for the first time is compiled: a minute)'
-
-    def _write(self, text: str, *, is_last: bool = False) -> None:
-        if self._stream.isatty():
-            # What is longer than the window cannot be written over.
-            columns = self._columns()
-            if len(text) > columns and not is_last:
-                text = text[:columns - len(ELLIPSIS)] + ELLIPSIS
-            self._stream.write('\r' + text.ljust(min(self._width, columns)))
-            self._width = len(text)
-        if is_last or not self._stream.isatty():
-            self._stream.write('\n' if self._stream.isatty() else text + '\n')
-        self._stream.flush()
-
-    def _columns(self) -> int:
-        """Return how many characters fit into a line of the window as it is now."""
-        try:
-            columns = os.get_terminal_size(self._stream.fileno()).columns
-        except OSError:
-            columns = 0
-        # A terminal may not know its size, and may wrap when its last column is written.
-        return max((columns or DEFAULT_COLUMNS) - 1, len(ELLIPSIS))
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
