@@ -16,6 +16,8 @@ from push_model.parameters import RoundRobot
 # Thresholds, all chosen: what tasks get by with.
 MIN_RATE, MAX_GAP = 20.0, 0.2  # [Hz], [s]
 MIN_POSE_RATE = 10.0  # [Hz]
+# Part of a rate that is enough: periods jitter about one that is just reached.
+RATE_MARGIN = 0.9
 MAX_DEAD_TIME, MAX_LEAST_SPEED = 0.3, 0.1  # [s], [m/s]
 MIN_ACCELERATION_RATIO, MIN_PLATEAU_RATIO, STOPPED_RATIO = 0.7, 0.8, 0.1
 MAX_WHEEL_DIFFERENCE, MAX_SCALE_ERROR = 0.02, 0.08
@@ -38,6 +40,11 @@ class Finding(enum.Enum):
     WRONG_MOTION = ('Odometry shows another motion than the commanded one.',
                     'Axes are those of REP-103: x ahead, y to the left, yaw to the left. Correct '
                     'the driver.')
+    RUNAWAY = ('The base moves much faster than commanded; it was stopped.',
+               'Compare units (m/s, rad/s), wheel radius and gear ratio in the driver.')
+    NO_STOP = ('The base moves on after it was commanded to stop.',
+               'Use the emergency stop. Look at its time-out of commands, its brakes, the floor, '
+               'and what else commands it.')
     YAW_MIRRORED = ('Yaw of odometry is mirrored: it falls while the robot turns to the left.',
                     'Swap the wheels in the driver, or the sign of its gyroscope.')
     REVERSED = ('The base drives backwards where it should drive ahead.',
@@ -90,6 +97,12 @@ class Finding(enum.Enum):
         return self.value[1]
 
 
+# What an interruption says by itself.
+OF_INTERRUPTIONS: dict[Interruption | None, Finding] = {
+    Interruption.ODOMETRY_LOST: Finding.ODOMETRY_LOST, Interruption.NO_MOTION: Finding.NO_MOTION,
+    Interruption.RUNAWAY: Finding.RUNAWAY, Interruption.NO_STOP: Finding.NO_STOP}
+
+
 class _Motion(NamedTuple):
     """Motion in the first segment of a kind: commanded speed, and displacement in own axes."""
 
@@ -107,8 +120,8 @@ def find_faults(calibration: BaseCalibration) -> list[Finding]:
     faults.update(_of_objects(calibration))
     # Where the base moves otherwise than commanded, a model of it says nothing.
     drive = calibration.drive
-    if drive is not None and calibration.recording.interruption not in (
-            Interruption.NO_MOTION, Interruption.WRONG_MOTION):
+    interruption = calibration.recording.interruption
+    if drive is not None and not (interruption is not None and interruption.is_of_motion):
         faults.update(_of_drive(calibration.recording.robot, drive))
         faults.update(_of_plateaus(calibration, drive))
     return [finding for finding in Finding if finding in faults]
@@ -118,10 +131,9 @@ def _of_program(calibration: BaseCalibration) -> Iterator[Finding]:
     recording = calibration.recording
     if not recording.odometry:
         yield Finding.NO_ODOMETRY
-    if recording.interruption is Interruption.ODOMETRY_LOST:
-        yield Finding.ODOMETRY_LOST
-    if recording.interruption is Interruption.NO_MOTION:
-        yield Finding.NO_MOTION
+    finding = OF_INTERRUPTIONS.get(recording.interruption)
+    if finding is not None:
+        yield finding
     if recording.interruption is Interruption.WRONG_MOTION:
         yield _wrong_motion(calibration)
 
@@ -162,14 +174,14 @@ def _of_times(calibration: BaseCalibration) -> Iterator[Finding]:
             yield Finding.CLOCK_AHEAD
         elif not calibration.is_clock_common:
             yield Finding.CLOCK_BEHIND
-        if odometry.rate < MIN_RATE:
+        if odometry.rate < RATE_MARGIN * MIN_RATE:
             yield Finding.SLOW_ODOMETRY
         elif odometry.longest_gap > MAX_GAP:
             yield Finding.ODOMETRY_GAPS
     if objects is not None:
         if objects.age < -0.005:
             yield Finding.OBJECT_CLOCK_AHEAD
-        if objects.rate < 0.9 * MIN_POSE_RATE:
+        if objects.rate < RATE_MARGIN * MIN_POSE_RATE:
             yield Finding.SLOW_POSES
 
 

@@ -12,6 +12,7 @@ from collections.abc import Callable
 import math
 from typing import NamedTuple
 
+from push_base.calibration.motion_watch import MotionWatch
 from push_base.calibration.recording import (
     Interruption, Purpose, ReceivedOdometry, Recording, SentCommand,
 )
@@ -144,6 +145,7 @@ class CalibrationProgram:
         self._odometry_arrival = -math.inf
         self._end_time = math.inf
         self._time = -math.inf
+        self._watch = MotionWatch(robot)
         self.recording = Recording(robot)
         self.title = 'waits for odometry'
 
@@ -196,6 +198,7 @@ class CalibrationProgram:
         if is_moving and not self._may_go_on(twist):
             self._set_segment(SETTLE, time)
             twist = STOP
+        self._watch.add_command(time, twist)
         self.recording.commands.append(
             SentCommand(time, twist, self._segment_count, self._segment.purpose))
         return twist
@@ -207,6 +210,9 @@ class CalibrationProgram:
         self._pose = self._first_pose.inverse() @ odometry.pose
         self._velocity = odometry.twist
         self._odometry_arrival = time
+        fault = self._watch.check(time, odometry.twist)
+        if fault is not None:
+            self.interrupt(fault, time)
 
     def _end(self, time: float) -> None:
         self._segments.clear()

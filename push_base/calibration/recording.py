@@ -28,6 +28,13 @@ class Interruption(enum.Enum):
     ODOMETRY_LOST = 'odometry ceased'
     NO_MOTION = 'the base did not move'
     WRONG_MOTION = 'the base moved otherwise than commanded'
+    RUNAWAY = 'the base moved much faster than commanded'
+    NO_STOP = 'the base did not stop'
+
+    @property
+    def is_of_motion(self) -> bool:
+        """Whether the base moved otherwise than commanded."""
+        return self not in (Interruption.BY_USER, Interruption.ODOMETRY_LOST)
 
 
 class SentCommand(NamedTuple):
