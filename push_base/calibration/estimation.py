@@ -1,6 +1,8 @@
 """From a recording to what the base and its sensors are like."""
 
+from collections.abc import Callable
 import dataclasses
+from typing import TypeVar
 
 from push_base.calibration.drive_fit import DriveFit, fit_drive, Signals
 from push_base.calibration.odometry_errors import odometry_errors, OdometryErrors
@@ -9,6 +11,7 @@ from push_base.calibration.topics import (
     Noise, pose_noise, rest_end, topic_times, TopicTimes, velocity_noise,
 )
 
+Value = TypeVar('Value')
 # Ages of odometry that one clock, or two that agree, can give [s]; chosen.
 MIN_AGE, MAX_AGE = -0.005, 1.0
 
@@ -30,6 +33,7 @@ class BaseCalibration:
     :param odometry_times: ``TopicTimes``.
     :param object_times: of the poses of the object.
     :param robot_times: of the poses of the robot in the world.
+    :param failures: what could not be computed, and why.
     """
 
     recording: Recording
@@ -43,25 +47,41 @@ class BaseCalibration:
     odometry_times: TopicTimes | None
     object_times: TopicTimes | None
     robot_times: TopicTimes | None
+    failures: tuple[str, ...] = ()
 
 
 def estimate(recording: Recording) -> BaseCalibration:
     """
     Find out what a recording says.
 
+    Where one part of it cannot be computed, the others are; ``failures`` names it.
+
     :param recording: ``Recording``, of any length.
     """
+    failures: list[str] = []
     odometry_times = topic_times([item.arrival for item in recording.odometry],
                                  [item.odometry.time for item in recording.odometry])
     is_clock_common = (odometry_times is not None
                        and MIN_AGE <= odometry_times.age <= MAX_AGE)
     signals = Signals.of(recording, by_stamp=is_clock_common)
     end = rest_end(recording)
+    drive = _attempt('fit of the drive', failures, lambda: fit_drive(recording.robot, signals))
+    errors = _attempt('errors of odometry', failures, lambda: odometry_errors(recording))
     return BaseCalibration(
-        recording, signals, is_clock_common, fit_drive(recording.robot, signals),
-        odometry_errors(recording), velocity_noise(recording),
+        recording, signals, is_clock_common, drive, errors, velocity_noise(recording),
         pose_noise(recording.object_poses, end), pose_noise(recording.robot_poses, end),
-        odometry_times, _times_of(recording.object_poses), _times_of(recording.robot_poses))
+        odometry_times, _times_of(recording.object_poses), _times_of(recording.robot_poses),
+        tuple(failures))
+
+
+def _attempt(name: str, failures: list[str],
+             compute: Callable[[], Value | None]) -> Value | None:
+    """Compute something, or note why that fails: minutes of driving are not lost for it."""
+    try:
+        return compute()
+    except Exception as error:
+        failures.append(f'{name}: {type(error).__name__}: {error}')
+        return None
 
 
 def _times_of(poses: list[ReceivedPose]) -> TopicTimes | None:

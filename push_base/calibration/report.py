@@ -1,22 +1,29 @@
 """What was measured, in words and as files that robot and scenarios use."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 import math
 from typing import Any
 
 from push_base.calibration.drive_fit import DriveFit
-from push_base.calibration.estimation import BaseCalibration
+from push_base.calibration.estimation import BaseCalibration, MAX_AGE, MIN_AGE
 from push_base.calibration.findings import find_faults
 from push_base.calibration.topics import Noise, TopicTimes
+from push_model.files.mapping import to_mapping
 from push_model.interval import Interval
 from push_model.parameters import RoundRobot
 
+HEAD = '# Of calibrate: intervals are those of 95 %.'
 # Digits of numbers in files.
 DIGITS = 4
 # Least speeds below this need no pulses [m/s]; chosen: slower than anything that is commanded.
 NO_LEAST_SPEED = 0.005
 # Half widths of unknown noises that files state at least, as parameters are above 0.
 MIN_NOISE = 1e-4
+# Periods of object poses that may be missing, and least time-out [s]; chosen: a computer may be
+# busy for as long.
+LOST_PERIODS, MIN_TIMEOUT = 3.0, 0.1
+# Parameters of the robot that nothing here measures.
+STATED = {'radius', 'drive', 'track', 'max_push_force', 'identify_base'}
 
 # A line of a file: name, value, comment.
 Entry = tuple[str, Any, str]
@@ -33,6 +40,9 @@ def summary(calibration: BaseCalibration) -> str:
     if recording.interruption is not None:
         lines += [f'Ended early: {recording.interruption.value}. What was measured until then:']
     lines += [f'  {name:24} {text}' for name, text in rows(calibration)]
+    if calibration.failures:
+        lines.append('Not computed:')
+        lines += [f'* {failure}' for failure in calibration.failures]
     faults = find_faults(calibration)
     lines.append('Nothing is wrong with base and sensors, as far as was measured.' if not faults
                  else 'What is wrong, and what to do:')
@@ -94,7 +104,7 @@ def _channel_names(robot: RoundRobot) -> tuple[str, str]:
 def _topic_rows(name: str, times: TopicTimes | None) -> Iterator[tuple[str, str]]:
     if times is not None:
         yield name, (f'{times.rate:.1f} Hz, {1000.0 * times.age:.0f} ms old '
-                     f'(99 %: {1000.0 * times.max_age:.0f} ms)')
+                     f'(99 %: {1000.0 * times.max_age.value:.0f} ms)')
 
 
 def _noise_rows(name: str, noise: Noise | None,
@@ -115,23 +125,25 @@ def robot_entries(calibration: BaseCalibration) -> list[Entry]:
     """
     List the parameters of the robot, as measured, else as stated.
 
-    :return: (name, value, comment) of every parameter of ``RoundRobot`` that is finite.
+    :return: (name, value, comment) of every parameter of ``RoundRobot``.
     """
     robot, drive = calibration.recording.robot, calibration.drive
-    entries: list[Entry] = [('radius', robot.radius, 'as stated'),
-                            ('drive', robot.drive, 'as stated')]
-    if drive is None:
-        return entries + [(name, getattr(robot, name), 'not measured') for name in (
-            'max_speed', 'max_yaw_rate', 'max_acceleration', 'max_yaw_acceleration',
-            'time_constant', 'dead_time', 'min_speed', 'min_yaw_rate', 'speed_step', 'track')]
+    measured = {} if drive is None else {entry[0]: entry for entry in _drive_entries(robot, drive)}
+    comment = 'not measured' if drive is None else 'as stated'
+    return [measured.get(name, (name, value, 'as stated' if name in STATED else comment))
+            for name, value in to_mapping(robot).items()]
+
+
+def _drive_entries(robot: RoundRobot, drive: DriveFit) -> list[Entry]:
+    """List the parameters that are measured."""
     response = drive.response
-    entries += [_limit('max_speed', robot.max_speed, response.max_speed),
-                _limit('max_yaw_rate', robot.max_yaw_rate, response.max_yaw_rate),
-                _measured('max_acceleration', drive.acceleration, robot.max_acceleration),
-                _measured('max_yaw_acceleration', drive.yaw_acceleration,
-                          robot.max_yaw_acceleration),
-                _measured('time_constant', drive.time_constant, robot.time_constant),
-                _measured('dead_time', drive.dead_time, robot.dead_time)]
+    entries = [_limit('max_speed', robot.max_speed, response.max_speed),
+               _limit('max_yaw_rate', robot.max_yaw_rate, response.max_yaw_rate),
+               _measured('max_acceleration', drive.acceleration, robot.max_acceleration),
+               _measured('max_yaw_acceleration', drive.yaw_acceleration,
+                         robot.max_yaw_acceleration),
+               _measured('time_constant', drive.time_constant, robot.time_constant),
+               _measured('dead_time', drive.dead_time, robot.dead_time)]
     first, second = drive.least_speeds
     if robot.drive == 'differential':
         # Of both wheels the one that turns later.
@@ -142,7 +154,6 @@ def robot_entries(calibration: BaseCalibration) -> list[Entry]:
         entries.append(_least('min_speed', first, robot.min_speed))
         entries.append(_least('min_yaw_rate', second, robot.min_yaw_rate))
     entries.append(('speed_step', _rounded(drive.speed_step), 'measured'))
-    entries.append(('track', robot.track, 'as stated'))
     return entries
 
 
@@ -180,9 +191,10 @@ def sensor_entries(calibration: BaseCalibration) -> list[Entry]:
                           ('pose', calibration.object_times)):
         if times is not None:
             entries.append((f'{prefix}_rate', round(times.rate, 1), 'measured'))
-    if calibration.object_times is not None:
-        entries.append(('pose_latency', max(0.0, _rounded(calibration.object_times.age)),
-                        'median age'))
+    times = calibration.object_times
+    if times is not None:
+        entries.append(('pose_latency', max(0.0, _rounded(times.age)),
+                        f'median age; of 99 %: up to {_rounded(times.max_age.value):g}'))
     for names, noise in ((('odometry_speed_noise', 'odometry_yaw_rate_noise'),
                           calibration.velocity_noise),
                          (('pose_noise', 'pose_heading_noise'), calibration.object_noise)):
@@ -207,40 +219,78 @@ def controller_entries(calibration: BaseCalibration) -> list[tuple[str, list[Ent
              'greatest error within the interval'),
             ('odometry_drift', max(MIN_NOISE, _rounded(_extent(errors.heading_drift))),
              'likewise')]))
-    if noise is not None:
-        groups.append(('control', [
-            ('pose_noise', max(MIN_NOISE, _rounded(noise.position)), 'at rest'),
-            ('heading_noise', max(MIN_NOISE, _rounded(noise.heading)), 'at rest')]))
+    control = [] if noise is None else [
+        ('pose_noise', max(MIN_NOISE, _rounded(noise.position)), 'at rest'),
+        ('heading_noise', max(MIN_NOISE, _rounded(noise.heading)), 'at rest')]
+    timeout = pose_timeout(calibration.object_times)
+    if timeout is not None:
+        control.append(('pose_timeout', _rounded(timeout.value),
+                        f'age of 99 % and three periods; {_comment(timeout)}'))
+    if control:
+        groups.append(('control', control))
     return groups
+
+
+def pose_timeout(times: TopicTimes | None) -> Interval | None:
+    """
+    Choose the time-out of object poses, by the age of nearly all and some lost ones.
+
+    :param times: ``TopicTimes`` of the object poses.
+    :return: [s]; None where nothing came, or stamps are of another clock.
+    """
+    if times is None or not MIN_AGE <= times.age <= MAX_AGE:
+        return None
+    return Interval(*(max(MIN_TIMEOUT, age + LOST_PERIODS / times.rate)
+                      for age in times.max_age))
 
 
 def _extent(interval: Interval) -> float:
     return max(abs(interval.low), abs(interval.high))
 
 
-def files(calibration: BaseCalibration) -> dict[str, str]:
-    """
-    Write the files.
+def robot_file(calibration: BaseCalibration) -> str:
+    """Write the robot, for launch files and scenarios."""
+    return '\n'.join([HEAD, *_lines(robot_entries(calibration), 0)]) + '\n'
 
-    :return: texts by file name: ``robot.yaml`` and ``sensors.yaml`` for scenarios, ``params.yaml``
-        for the nodes, ``report.txt``.
-    """
-    robot = robot_entries(calibration)
-    params = ['# Of calibrate: behind your parameter file, as a second one.', '/**:',
-              '  ros__parameters:', '    robot:', *_lines(robot, 6)]
+
+def sensor_file(calibration: BaseCalibration) -> str:
+    """Write the sensors, for scenarios."""
+    return '\n'.join([HEAD, *(_lines(sensor_entries(calibration), 0) or ['{}'])]) + '\n'
+
+
+def parameter_file(calibration: BaseCalibration) -> str:
+    """Write parameters of the nodes."""
+    lines = ['# Of calibrate: behind your parameter file, as a second one.', '/**:',
+             '  ros__parameters:', '    robot:', *_lines(robot_entries(calibration), 6)]
     groups = controller_entries(calibration)
     if groups:
-        params += ['/**/push_controller:', '  ros__parameters:']
+        lines += ['/**/push_controller:', '  ros__parameters:']
         for name, entries in groups:
-            params += [f'    {name}:', *_lines(entries, 6)]
-    sensors = sensor_entries(calibration)
-    head = '# Of calibrate: intervals are those of 95 %.'
-    return {'robot.yaml': '\n'.join([head, *_lines(robot, 0)]) + '\n',
-            'sensors.yaml': '\n'.join([head, *(_lines(sensors, 0) or ['{}'])]) + '\n',
-            'params.yaml': '\n'.join(params) + '\n',
-            'report.txt': summary(calibration) + '\n'}
+            lines += [f'    {name}:', *_lines(entries, 6)]
+    return '\n'.join(lines) + '\n'
+
+
+# What writes each file, by its name: any of them may be written without the others.
+WRITERS: dict[str, Callable[[BaseCalibration], str]] = {
+    'robot.yaml': robot_file, 'sensors.yaml': sensor_file, 'params.yaml': parameter_file,
+    'report.txt': lambda calibration: summary(calibration) + '\n'}
+
+
+def files(calibration: BaseCalibration) -> dict[str, str]:
+    """
+    Write all files.
+
+    :return: texts by file name, of ``WRITERS``.
+    """
+    return {name: write(calibration) for name, write in WRITERS.items()}
 
 
 def _lines(entries: list[Entry], indent: int) -> list[str]:
-    return [f'{" " * indent}{name}: {".inf" if value == math.inf else value}  # {comment}'
+    return [f'{" " * indent}{name}: {_yaml(value)}  # {comment}'
             for name, value, comment in entries]
+
+
+def _yaml(value: Any) -> str:
+    if isinstance(value, bool):
+        return str(value).lower()
+    return '.inf' if value == math.inf else str(value)

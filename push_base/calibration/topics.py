@@ -7,9 +7,13 @@ from typing import NamedTuple
 import numpy as np
 from push_base.calibration.recording import Purpose, ReceivedPose, Recording
 from push_model.geometry import FloatArray, Pose
+from push_model.interval import Interval
+from scipy.stats import binom
 
 # Messages that a rate needs.
 MIN_MESSAGES = 5
+# Part of the messages that are not older than the greatest age.
+MAX_AGE_PART = 0.99
 
 
 class TopicTimes(NamedTuple):
@@ -18,13 +22,13 @@ class TopicTimes(NamedTuple):
 
     :param rate: [Hz], by the median period of their stamps.
     :param age: arrival minus stamp, median [s].
-    :param max_age: the same, exceeded by 1 % [s].
+    :param max_age: the same, exceeded by 1 %, with its interval of 95 % [s].
     :param longest_gap: between arrivals [s].
     """
 
     rate: float
     age: float
-    max_age: float
+    max_age: Interval
     longest_gap: float
 
 
@@ -53,8 +57,16 @@ def topic_times(arrivals: Sequence[float], stamps: Sequence[float]) -> TopicTime
     ages = np.subtract(arrivals, stamps)
     periods = np.diff(np.sort(stamps))
     period = float(np.median(periods[periods > 0.0])) if (periods > 0.0).any() else math.inf
-    return TopicTimes(1.0 / period, float(np.median(ages)), float(np.quantile(ages, 0.99)),
+    return TopicTimes(1.0 / period, float(np.median(ages)), _quantile(ages, MAX_AGE_PART),
                       float(np.diff(arrivals).max()))
+
+
+def _quantile(values: FloatArray, part: float) -> Interval:
+    """Return a quantile, with an interval by the ranks that it may have among the values."""
+    ranks = binom.ppf((0.025, 0.975), len(values), part).astype(int)
+    low, high = np.sort(values)[np.clip((ranks[0] - 1, ranks[1]), 0, len(values) - 1)].tolist()
+    value = float(np.quantile(values, part))
+    return Interval(value, min(low, value), max(high, value))
 
 
 def velocity_noise(recording: Recording) -> Noise | None:

@@ -1,22 +1,27 @@
 """Command line ``calibrate``: find out what a base is like, and write it down."""
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 import sys
-from typing import TYPE_CHECKING
+from typing import TextIO, TYPE_CHECKING, TypeVar
 
 from push_base.calibration.estimation import BaseCalibration, estimate
 from push_base.calibration.program import CalibrationProgram
-from push_base.calibration.recording import Interruption
-from push_base.calibration.report import files, summary
+from push_base.calibration.recording import Interruption, Recording
+from push_base.calibration.recording_file import from_csv, to_csv
+from push_base.calibration.report import summary, WRITERS
+from push_model.files.whole_file import write_whole
+from push_scenario.terminal_line import TerminalLine
 
 if TYPE_CHECKING:
     from push_scenario.definition.scenario import Scenario
     from push_sim_node.simulation import Simulation
 
 ROS_ARGUMENTS = '--ros-args'
-DONE, MISUSE, INTERRUPTED = 0, 2, 130
+DONE, FAILED, MISUSE, INTERRUPTED = 0, 1, 2, 130
+RECORDING, PICTURE = 'recording.csv', 'calibration.png'
+Value = TypeVar('Value')
 BAR_WIDTH = 30
 # Where the robot stands beside the object of a scenario [m]: out of reach.
 AWAY = 3.0
@@ -27,13 +32,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Run the command line.
 
     :param arguments: words after the command's name; None for those of the process.
-    :return: exit status: 0 when the files are written, 2 on an error, 130 when interrupted.
+    :return: exit status: 0 when all files are written, 1 where some of them could not be, 2 on an
+        error, 130 when interrupted.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
     end = words.index(ROS_ARGUMENTS) if ROS_ARGUMENTS in words else len(words)
     options = _parser().parse_args(words[:end])
     try:
         options.out.mkdir(parents=True, exist_ok=True)
+        if options.recording:
+            return _calibrate_recording(options)
         if options.sim:
             return _calibrate_simulated(options)
         return _calibrate_over_ros(options, words[end:] or [ROS_ARGUMENTS])
@@ -50,6 +58,8 @@ def _parser() -> argparse.ArgumentParser:
         'docs/robots/calibrate.md.')
     parser.add_argument('--sim', metavar='SCENARIO',
                         help='calibrate the true robot of a scenario, in one process without ROS')
+    parser.add_argument('--from', dest='recording', type=Path, metavar='FILE',
+                        help='drive nothing: evaluate the recording.csv of an earlier run')
     parser.add_argument('--out', type=Path, default=Path('calibration'), metavar='DIR',
                         help='folder for the files (default: calibration)')
     return parser
@@ -58,21 +68,31 @@ def _parser() -> argparse.ArgumentParser:
 class ProgressBar:
     """Shows how far the program is, in a terminal; elsewhere each of its parts."""
 
-    def __init__(self) -> None:
-        """Show nothing yet."""
+    def __init__(self, stream: TextIO | None = None) -> None:
+        """
+        Show nothing yet.
+
+        :param stream: where to write; None for the standard error stream.
+        """
+        self._line = TerminalLine(sys.stderr if stream is None else stream)
         self._shown = ''
 
     def __call__(self, program: CalibrationProgram) -> None:
         """Show the progress, where it has changed."""
-        is_terminal = sys.stderr.isatty()
-        done = round(BAR_WIDTH * program.progress)
-        bar = f'[{"#" * done}{"." * (BAR_WIDTH - done)}] ' if is_terminal else ''
-        line = f'{bar}{program.title}'
-        if line == self._shown:
+        text = program.title
+        if self._line.is_overwritten:
+            text = _bar(program.progress, self._line.columns - len(text)) + text
+        if text == self._shown:
             return
-        self._shown = line
-        sys.stderr.write(f'\r{line:<70}' if is_terminal else f'{line}\n')
-        sys.stderr.flush()
+        self._shown = text
+        self._line.write(text)
+
+
+def _bar(progress: float, columns: int) -> str:
+    """Draw a bar, with a space behind it, that is not longer than some columns."""
+    width = min(BAR_WIDTH, columns - len('[] '))
+    done = round(width * progress)
+    return f'[{"#" * done}{"." * (width - done)}] ' if width > 0 else ''
 
 
 def _calibrate_simulated(options: argparse.Namespace) -> int:
@@ -87,7 +107,7 @@ def _calibrate_simulated(options: argparse.Namespace) -> int:
     except KeyboardInterrupt:
         program.interrupt(Interruption.BY_USER, program.recording.commands[-1].time
                           if program.recording.commands else 0.0)
-    return _finish(program, options.out)
+    return _finish(program.recording, options.out)
 
 
 def _simulation(scenario: 'Scenario') -> 'Simulation':
@@ -107,33 +127,89 @@ def _calibrate_over_ros(options: argparse.Namespace, arguments: list[str]) -> in
     from push_ros.executor import run
     statuses: list[int] = []
     status = run(lambda: Calibrator(
-        lambda program: statuses.append(_finish(program, options.out)), ProgressBar()), arguments)
+        lambda program: statuses.append(_finish(program.recording, options.out)), ProgressBar()), arguments)
     return status or (statuses[0] if statuses else MISUSE)
 
 
-def _finish(program: CalibrationProgram, folder: Path) -> int:
-    """Write what is known, and say it."""
-    calibration = estimate(program.recording)
-    written = [folder / name for name in files(calibration)]
-    for path, text in zip(written, files(calibration).values()):
-        path.write_text(text, encoding='utf-8')
-    written += _draw(calibration, folder / 'calibration.png')
+def _calibrate_recording(options: argparse.Namespace) -> int:
+    recording = from_csv(options.recording.read_text(encoding='utf-8'), str(options.recording))
+    return _evaluate(recording, options.out, [])
+
+
+def _finish(recording: Recording, folder: Path) -> int:
+    """Write what was recorded, then what it says."""
+    path = folder / RECORDING
+    write_whole(path, to_csv(recording).encode())
     sys.stderr.write('\n')
-    print(summary(calibration))
-    print('written: ' + ', '.join(map(str, written)), flush=True)
-    is_interrupted = program.recording.interruption is Interruption.BY_USER
-    return INTERRUPTED if is_interrupted else DONE
+    return _evaluate(recording, folder, [path])
 
 
-def _draw(calibration: BaseCalibration, path: Path) -> list[Path]:
-    # Imported here: only the picture needs matplotlib.
+def _evaluate(recording: Recording, folder: Path, written: list[Path]) -> int:
+    """
+    Write what a recording says, and say it; each product that fails is named.
+
+    :param written: paths of files that there are already.
+    :return: exit status.
+    """
+    products = _Products(folder, written)
     try:
-        from push_scenario.plots.calibration import draw_calibration
-    except ModuleNotFoundError as error:
-        print(f'calibrate: no picture: module {error.name} is not installed', file=sys.stderr)
-        return []
-    draw_calibration(calibration, path)
-    return [path]
+        products.write(recording)
+    except KeyboardInterrupt:
+        print(f'calibrate: interrupted; continue with --from {folder / RECORDING}',
+              file=sys.stderr)
+        return INTERRUPTED
+    finally:
+        print('written: ' + ', '.join(map(str, written)), flush=True)
+    if products.has_failed:
+        return FAILED
+    return INTERRUPTED if recording.interruption is Interruption.BY_USER else DONE
+
+
+class _Products:
+    """What is written of a recording: where one product fails, the others are made."""
+
+    def __init__(self, folder: Path, written: list[Path]) -> None:
+        """
+        Write nothing yet.
+
+        :param written: paths of files, to which others are added.
+        """
+        self._folder, self._written = folder, written
+        self.has_failed = False
+
+    def write(self, recording: Recording) -> None:
+        """Write all that can be."""
+        calibration = self._attempt('evaluation', lambda: estimate(recording))
+        if calibration is None:
+            return
+        self.has_failed |= bool(calibration.failures)
+        for name, text_of in WRITERS.items():
+            self._attempt(name, lambda: self._write_text(name, text_of(calibration)))
+        self._attempt('summary', lambda: print(summary(calibration)))
+        self._attempt(PICTURE, lambda: self._draw(calibration))
+
+    def _attempt(self, name: str, make: Callable[[], Value]) -> Value | None:
+        try:
+            return make()
+        except Exception as error:
+            self.has_failed = True
+            print(f'calibrate: {name} failed: {type(error).__name__}: {error}', file=sys.stderr)
+            return None
+
+    def _write_text(self, name: str, text: str) -> None:
+        write_whole(self._folder / name, text.encode())
+        self._written.append(self._folder / name)
+
+    def _draw(self, calibration: BaseCalibration) -> None:
+        # Imported here: only the picture needs matplotlib.
+        try:
+            from push_scenario.plots.calibration import draw_calibration
+        except ModuleNotFoundError as error:
+            print(f'calibrate: no picture: module {error.name} is not installed',
+                  file=sys.stderr)
+            return
+        draw_calibration(calibration, self._folder / PICTURE)
+        self._written.append(self._folder / PICTURE)
 
 
 if __name__ == '__main__':

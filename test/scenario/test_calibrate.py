@@ -1,18 +1,24 @@
 """The command calibrate, as a new user runs it: over DDS, and without ROS."""
 
 import dataclasses
+import io
 import signal
 import subprocess
 import sys
 
 from helpers.node_bench import bench
+from push_base.calibration.program import CalibrationProgram
+from push_base.calibration.recording_file import to_csv
 from push_model.files.flat_values import to_parameter_values
 from push_model.files.parameter_files import read_robot
+from push_model.geometry import Pose
+from push_model.signals import Odometry, STOP
 from push_ros.topics import SIM
 from push_scenario import load_scenario, simulate
 from push_scenario.calibration import cli
 from push_scenario.dds.private_network import private_environment
 from push_scenario.simulation.result import Outcome
+from push_scenario.terminal_line import TerminalLine
 import pytest
 import yaml
 
@@ -21,7 +27,8 @@ SCENARIO = load_scenario('task_tap')
 # What a wheel does below it, and when it follows.
 LEAST, DEAD_TIME = 0.06, 0.14
 TRUE_ROBOT = dataclasses.replace(SCENARIO.robot, min_speed=LEAST, dead_time=DEAD_TIME)
-FILES = {'robot.yaml', 'sensors.yaml', 'params.yaml', 'report.txt', 'calibration.png'}
+FILES = {'robot.yaml', 'sensors.yaml', 'params.yaml', 'report.txt', 'calibration.png',
+         'recording.csv'}
 
 
 @pytest.fixture
@@ -84,6 +91,72 @@ def test_without_ros_it_calibrates_the_robot_of_a_scenario(tmp_path, capsys):
     assert robot.time_constant == pytest.approx(true.time_constant, rel=0.2)
     assert robot.dead_time < 0.02
     assert 'dead time' in capsys.readouterr().out
+    # What was recorded says the same when it is read again.
+    again = tmp_path / 'again'
+    assert cli.main(['--from', str(tmp_path / 'recording.csv'), '--out', str(again)]) == cli.DONE
+    for name in ('robot.yaml', 'sensors.yaml', 'params.yaml', 'report.txt'):
+        assert (again / name).read_text() == (tmp_path / name).read_text()
+
+
+@pytest.fixture
+def recording(tmp_path):
+    """Write a recording of a robot that stands."""
+    program = CalibrationProgram(SCENARIO.robot)
+    for k in range(200):
+        program.step(0.02 * k, Odometry(0.02 * k, Pose(0.0, 0.0, 0.0), STOP))
+    path = tmp_path / 'own.csv'
+    path.write_text(to_csv(program.recording))
+    return path
+
+
+@pytest.mark.parametrize('broken, missing', [
+    ('push_scenario.plots.calibration.draw_calibration', {'calibration.png'}),
+    ('push_scenario.calibration.cli.estimate', FILES),
+    ('push_base.calibration.report.sensor_entries', {'sensors.yaml'})])
+def test_a_product_that_fails_is_named_and_the_others_are_written(
+        broken, missing, recording, tmp_path, capsys, monkeypatch):
+    """With the reason; the exit status says so."""
+    def fail(*_):
+        raise ZeroDivisionError('as planted')
+
+    monkeypatch.setattr(broken, fail)
+    assert cli.main(['--from', str(recording), '--out', str(tmp_path / 'out')]) == cli.FAILED
+    written = {path.name for path in (tmp_path / 'out').iterdir()}
+    assert written == FILES - {'recording.csv'} - missing
+    assert 'failed: ZeroDivisionError: as planted' in capsys.readouterr().err
+
+
+def test_what_was_recorded_is_written_before_it_is_evaluated(tmp_path, monkeypatch, capsys):
+    """Even where Ctrl-C ends the evaluation."""
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(cli, 'estimate', interrupt)
+    monkeypatch.setattr('push_scenario.calibration.simulated.run_program', interrupt)
+    assert cli.main(['--sim', 'task_tap', '--out', str(tmp_path)]) == cli.INTERRUPTED
+    assert {path.name for path in tmp_path.iterdir()} == {'recording.csv'}
+    assert '--from' in capsys.readouterr().err
+
+
+class Terminal(io.StringIO):
+    """Text stream that says it is a terminal."""
+
+    def isatty(self):
+        return True
+
+
+@pytest.mark.parametrize('columns', [3, 12, 20, 40, 80, 200])
+def test_the_progress_fits_into_the_terminal(columns, monkeypatch):
+    """Whatever its width: nothing wraps, and the bar gives way to the words."""
+    monkeypatch.setattr(TerminalLine, 'columns', columns)
+    stream = Terminal()
+    bar, program = cli.ProgressBar(stream), CalibrationProgram(SCENARIO.robot)
+    for title in ('waits for odometry', 'steps of rotation', 'stops'):
+        program.title = title
+        bar(program)
+        shown = stream.getvalue().rsplit('\r', 1)[1]
+        assert len(shown) <= columns
+        assert title in shown or len(title) > columns
 
 
 def test_what_it_cannot_use_is_named(tmp_path, capsys):

@@ -106,9 +106,11 @@ class Calibrator(PushNode):
         program = self._program
         if not program.is_done:
             program.interrupt(Interruption.BY_USER, self._time())
-        for _ in range(FINAL_ZEROS):
-            self._send(STOP, self.now())
-        self._on_end(program)
+        try:
+            for _ in range(FINAL_ZEROS):
+                self._send(STOP, self.now())
+        finally:
+            self._on_end(program)
 
     def _time(self) -> float:
         return seconds(self.now())
