@@ -72,8 +72,8 @@ class ProgressLine:
             return
         self._stage, self._shown = progress.stage, now
         self._line.write(f'{self._title}: {progress.stage}, {progress.time:.1f} s simulated'
-                         f'{self._speed(progress.time, now)}, {progress.distance:.3f} m to the goal'
-                         f'{self._hint(now)}')
+                         f'{self._speed(progress.time, now)}, '
+                         f'{progress.distance:.3f} m to the goal{self._hint(now)}')
 
     def end(self, text: str) -> None:
         """

@@ -127,7 +127,8 @@ def _calibrate_over_ros(options: argparse.Namespace, arguments: list[str]) -> in
     from push_ros.executor import run
     statuses: list[int] = []
     status = run(lambda: Calibrator(
-        lambda program: statuses.append(_finish(program.recording, options.out)), ProgressBar()), arguments)
+        lambda program: statuses.append(_finish(program.recording, options.out)),
+        ProgressBar()), arguments)
     return status or (statuses[0] if statuses else MISUSE)
 
 

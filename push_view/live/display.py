@@ -11,8 +11,9 @@ from push_view.server.message_log import MessageLog
 
 class RunDisplay:
     """
-    Sends the page what is new of a run: rows of the tape, changes of state, plans, what is
-    learned of the base.
+    Sends the page what is new of a run.
+
+    That is rows of the tape, changes of state, plans, and what is learned of the base.
 
     ``time``: of the last row [s], at which the page shows what is changed now.
 

@@ -58,7 +58,8 @@ def test_what_was_stated_of_the_robot_is_kept(robot):
 def test_what_cannot_be_measured_is_kept():
     """Pushing force, track, and whether the base is identified."""
     base = draw_base(0)
-    stated = dataclasses.replace(base.nominal, max_push_force=14.0, identify_base=False, track=0.22)
+    stated = dataclasses.replace(base.nominal, max_push_force=14.0, identify_base=False,
+                                 track=0.22)
     values = yaml.safe_load(files(calibrate(base._replace(nominal=stated)))['robot.yaml'])
     robot = from_mapping(RoundRobot, values, Location('robot.yaml'))
     assert (robot.max_push_force, robot.identify_base, robot.track) == (14.0, False, 0.22)

@@ -141,7 +141,7 @@ def test_what_was_given_in_a_frame_that_drifts_is_moved():
 def test_what_the_controller_reports_of_its_base_is_shown_once():
     """Again where it changes; what is no number is not shown."""
     log = MessageLog()
-    record = RobotRecord(log, 'robot', SCENARIO.object, SCENARIO.robot)
+    record = RobotRecorder(log, 'robot', SCENARIO.object, SCENARIO.robot)
     values = {'dead_time': '0.24', 'min_speed': '0.051', 'pulse': '0.12', 'state': 'push'}
     for known in (values, values, {**values, 'dead_time': '0.3'}):
         record.on_base(base_knowledge(known))
