@@ -10,6 +10,7 @@ from push_base.calibration.recording import ReceivedPose, Recording
 from push_base.calibration.topics import (
     Noise, pose_noise, rest_end, topic_times, TopicTimes, velocity_noise,
 )
+from push_base.calibration.touch import evaluate_touches, touch_start, TouchResult
 
 Value = TypeVar('Value')
 # Ages of odometry that one clock, or two that agree, can give [s]; chosen.
@@ -21,7 +22,7 @@ class BaseCalibration:
     """
     What was measured; None for what was not.
 
-    :param recording: ``Recording`` that it is from.
+    :param recording: ``Recording`` that it is from, before any touch.
     :param signals: the same as arrays.
     :param is_clock_common: whether stamps of odometry and times of commands are of one clock, so
         that delays are measured by stamps; else by arrival.
@@ -33,6 +34,8 @@ class BaseCalibration:
     :param odometry_times: ``TopicTimes``.
     :param object_times: of the poses of the object.
     :param robot_times: of the poses of the robot in the world.
+    :param full_recording: ``Recording`` with the touches.
+    :param touches: ``TouchResult``.
     :param failures: what could not be computed, and why.
     """
 
@@ -47,6 +50,8 @@ class BaseCalibration:
     odometry_times: TopicTimes | None
     object_times: TopicTimes | None
     robot_times: TopicTimes | None
+    full_recording: Recording
+    touches: TouchResult | None = None
     failures: tuple[str, ...] = ()
 
 
@@ -59,6 +64,10 @@ def estimate(recording: Recording) -> BaseCalibration:
     :param recording: ``Recording``, of any length.
     """
     failures: list[str] = []
+    full_recording = recording
+    touches = _attempt('touches', failures, lambda: evaluate_touches(recording))
+    # At an object, wheels may spin, and the object moves.
+    recording = recording.until(touch_start(recording))
     odometry_times = topic_times([item.arrival for item in recording.odometry],
                                  [item.odometry.time for item in recording.odometry])
     is_clock_common = (odometry_times is not None
@@ -71,7 +80,7 @@ def estimate(recording: Recording) -> BaseCalibration:
         recording, signals, is_clock_common, drive, errors, velocity_noise(recording),
         pose_noise(recording.object_poses, end), pose_noise(recording.robot_poses, end),
         odometry_times, _times_of(recording.object_poses), _times_of(recording.robot_poses),
-        tuple(failures))
+        full_recording, touches, tuple(failures))
 
 
 def _attempt(name: str, failures: list[str],

@@ -10,6 +10,7 @@ from push_base.calibration.drive_response import predict
 from push_base.calibration.estimation import BaseCalibration
 from push_base.calibration.recording import Interruption, Purpose
 from push_base.calibration.topics import pose_rows
+from push_base.calibration.touch import TouchResult
 from push_model.geometry import FloatArray
 from push_model.parameters import RoundRobot
 
@@ -25,6 +26,7 @@ MAX_ODOMETRY_ERROR = 0.03
 MAX_SHIFT, SHIFT_DEVIATIONS = 0.03, 6.0  # [m]
 MAX_HEADING_OFFSET = 0.35  # [rad]
 MIN_DISPLACEMENT = 0.05  # [m]
+MAX_TOUCH_ERROR, MAX_STAMP_DELAY = 0.005, 0.05  # [m], [s]
 
 
 class Finding(enum.Enum):
@@ -85,6 +87,23 @@ class Finding(enum.Enum):
                        'Put the heading of the marker right: x of its frame is ahead.')
     OBJECT_MOVES_ALONG = ('The object stands, but its pose moves as the robot does.',
                           'Its frame is not that of odometry, or a transform is mirrored or late.')
+    SIZE_WRONG = ('Radius of the robot, or size of the object, is not as stated.',
+                  'Measure both (bumper pressed) and correct robot.radius or the outline.')
+    POSES_OFFSET = ('Object poses are off along the push.',
+                    'Correct where the marker sits on the object, or the frame of the tracker.')
+    SIZE_OR_OFFSET = ('Robot and object touch elsewhere than sizes and poses say.',
+                      'Measure radius (bumper pressed), outline, and the place of the marker. '
+                      '--touch around tells sizes from poses.')
+    STAMPS_SHIFTED = ('Object poses are not of the time of their stamps.',
+                      'Stamp images when they are taken, in the driver of the tracker.')
+    OBJECT_UNSEEN = ('The robot pushed, and the object did not move by its poses.',
+                     'Look at what the tracker follows: another object, or a pose that stands.')
+    TOO_WEAK = ('The wheels spin: the base pushes with less force than this object needs.',
+                'Take a lighter object or smoother feet, load the drive wheels, or clean them; '
+                'robot.max_push_force warns of other objects.')
+    WHEELS_SLIP = ('The object comes less far than the wheels turn.',
+                   'Correct odometry first. Else the wheels slip: the object is near to what the '
+                   'base can push.')
 
     @property
     def sentence(self) -> str:
@@ -118,6 +137,8 @@ def find_faults(calibration: BaseCalibration) -> list[Finding]:
     """
     faults = {*_of_program(calibration), *_of_times(calibration), *_of_odometry(calibration)}
     faults.update(_of_objects(calibration))
+    if calibration.touches is not None:
+        faults.update(_of_touches(calibration.touches))
     # Where the base moves otherwise than commanded, a model of it says nothing.
     drive = calibration.drive
     interruption = calibration.recording.interruption
@@ -207,6 +228,22 @@ def _of_objects(calibration: BaseCalibration) -> Iterator[Finding]:
     deviation = float(np.ptp(np.quantile(rows[:, :2], (0.02, 0.98), axis=0), axis=0).max())
     if deviation > max(MAX_SHIFT, SHIFT_DEVIATIONS * noise.position):
         yield Finding.OBJECT_MOVES_ALONG
+
+
+def _of_touches(result: TouchResult) -> Iterator[Finding]:
+    for finding, error, limit in (
+            (Finding.SIZE_WRONG, result.size_error, MAX_TOUCH_ERROR),
+            (Finding.POSES_OFFSET, result.pose_offset, MAX_TOUCH_ERROR),
+            (Finding.SIZE_OR_OFFSET, result.combined, MAX_TOUCH_ERROR),
+            (Finding.STAMPS_SHIFTED, result.stamp_delay, MAX_STAMP_DELAY)):
+        if error is not None and abs(error.value) > limit:
+            yield finding
+    if any(touch.is_object_unseen for touch in result.touches):
+        yield Finding.OBJECT_UNSEEN
+    if result.is_too_weak:
+        yield Finding.TOO_WEAK
+    elif any(touch.is_slipping for touch in result.touches):
+        yield Finding.WHEELS_SLIP
 
 
 def _of_drive(robot: RoundRobot, drive: DriveFit) -> Iterator[Finding]:

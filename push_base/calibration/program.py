@@ -16,6 +16,7 @@ from push_base.calibration.motion_watch import MotionWatch
 from push_base.calibration.recording import (
     Interruption, Purpose, ReceivedOdometry, Recording, SentCommand,
 )
+from push_base.calibration.touch_program import TouchPlan, TouchProgram
 from push_model.geometry import Pose, wrap_angle
 from push_model.parameters import RoundRobot
 from push_model.signals import Odometry, STOP, Twist
@@ -114,14 +115,17 @@ class CalibrationProgram:
     Commands a base, and records what comes of it.
 
     ``recording``: the ``Recording``. ``title``: what is measured now. ``is_done``: whether there
-    is nothing to send any more.
+    is nothing to send any more. ``may_touch``: whether it is known where the object is for the
+    robot; may be set.
     """
 
-    def __init__(self, robot: RoundRobot, side: float = SIDE) -> None:
+    def __init__(self, robot: RoundRobot, side: float = SIDE,
+                 touch: TouchPlan | None = None) -> None:
         """
         Start before the first measurement.
 
         :param side: of the free square, in whose middle the robot stands [m].
+        :param touch: an object beside the square to touch at the end; None for none.
         :raises ValueError: where the square is too small.
         """
         radius = robot.radius if math.isfinite(robot.radius) else 0.0
@@ -130,7 +134,8 @@ class CalibrationProgram:
             raise ValueError(f'side: got {side:g} m, expected at least '
                              f'{2.0 * (radius + MARGIN + 0.5):.2g} m for this robot')
         self._robot = robot
-        self._blocks = make_blocks(robot, self._extent)
+        blocks = make_blocks(robot, self._extent)
+        self._blocks = blocks[:1] if touch is not None and touch.is_only else blocks
         self._total = sum(block.duration for block in self._blocks)
         self._block_index = -1
         self._segments: deque[Segment] = deque()
@@ -146,8 +151,11 @@ class CalibrationProgram:
         self._end_time = math.inf
         self._time = -math.inf
         self._watch = MotionWatch(robot)
-        self.recording = Recording(robot)
+        self.recording = Recording(robot, object=None if touch is None else touch.object)
+        self._touch = None if touch is None else TouchProgram(
+            robot, touch, step_speeds(robot)[-1], return_yaw_rate(robot))
         self.title = 'waits for odometry'
+        self.may_touch = True
 
     @property
     def progress(self) -> float:
@@ -245,19 +253,29 @@ class CalibrationProgram:
             self._set_segment(self._segments.popleft(), time)
 
     def _start_next_block(self, time: float) -> None:
-        if self._block_index >= 0 and self._blocks[self._block_index].is_check:
+        if 0 <= self._block_index < len(self._blocks) and (
+                self._blocks[self._block_index].is_check):
             fault = self._motion_fault(self._blocks[self._block_index].segments[0])
             if fault is not None:
                 self.interrupt(fault, time)
                 return
-        self._block_index += 1
-        if self._block_index == len(self._blocks):
-            self._end(time)
+        if self._block_index + 1 >= len(self._blocks):
+            self._block_index = len(self._blocks)
+            self._start_next_touch(time)
             return
+        self._block_index += 1
         block = self._blocks[self._block_index]
         self.title = block.title
         self._step_poses.clear()
         self._segments.extend((*self._return_to(block.start), *block.segments))
+
+    def _start_next_touch(self, time: float) -> None:
+        self.title = 'touches the object'
+        drives = [] if self._touch is None or self._first_pose is None or not self.may_touch else (
+            self._touch.next_drives(self.recording, self._first_pose @ self._pose))
+        self._segments.extend(Segment(*drive) for drive in drives)
+        if not drives:
+            self._end(time)
 
     def _motion_fault(self, segment: Segment) -> Interruption | None:
         """Compare what the first segment of a block moved the robot by with what it should."""
@@ -274,7 +292,9 @@ class CalibrationProgram:
             Interruption.WRONG_MOTION)
 
     def _may_go_on(self, twist: Twist) -> bool:
-        """Tell whether the robot could still stop within the square."""
+        """Tell whether the robot could still stop within the square, where it is to stay there."""
+        if self._block_index == len(self._blocks):
+            return True
         for velocity, threshold in ((twist, 0.0), (self._velocity, STANDING_SPEED)):
             speed = math.hypot(velocity.v_x, velocity.v_y)
             if speed <= threshold:

@@ -4,7 +4,7 @@ import dataclasses
 import enum
 from typing import NamedTuple
 
-from push_model.parameters import RoundRobot
+from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectPose, Odometry, Twist
 
 
@@ -19,6 +19,9 @@ class Purpose(enum.Enum):
     TURN = 'turn'
     RETURN = 'return'
     SETTLE = 'settle'
+    APPROACH = 'way to and from the object'
+    TOUCH = 'push'
+    CONTACT = 'rest in contact'
 
 
 class Interruption(enum.Enum):
@@ -88,6 +91,7 @@ class Recording:
     :param object_poses: of an object that stands still, likewise.
     :param robot_poses: of the robot, measured in the world, likewise.
     :param interruption: why it ended early; None where it did not.
+    :param object: the nominal ``PushedObject``, where it is to be touched.
     """
 
     robot: RoundRobot
@@ -96,3 +100,16 @@ class Recording:
     object_poses: list[ReceivedPose] = dataclasses.field(default_factory=list)
     robot_poses: list[ReceivedPose] = dataclasses.field(default_factory=list)
     interruption: Interruption | None = None
+    object: PushedObject | None = None
+
+    def until(self, time: float) -> 'Recording':
+        """
+        Return the part before a time.
+
+        :param time: of sending and arrival [s].
+        """
+        return dataclasses.replace(
+            self, commands=[item for item in self.commands if item.time < time],
+            odometry=[item for item in self.odometry if item.arrival < time],
+            object_poses=[item for item in self.object_poses if item.arrival < time],
+            robot_poses=[item for item in self.robot_poses if item.arrival < time])

@@ -1,8 +1,8 @@
 """
 Recordings as text: a CSV table with a row for each command and each measurement.
 
-Two comments stand above it: the nominal robot, as JSON, and why the recording ended early, if it
-did. Read again, a recording is the same to the last digit, without covariances.
+Comments stand above it: the nominal robot, as JSON, the object, if it is touched, and why the
+recording ended early, if it did. Read again, a recording is the same to the last digit, without covariances.
 """
 
 import csv
@@ -14,10 +14,10 @@ from push_base.calibration.recording import (
 )
 from push_model.files.mapping import from_mapping, Location, to_mapping
 from push_model.geometry import Pose
-from push_model.parameters import RoundRobot
+from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectPose, Odometry, Twist
 
-ROBOT, INTERRUPTION = '# robot: ', '# ended early: '
+ROBOT, OBJECT, INTERRUPTION = '# robot: ', '# object: ', '# ended early: '
 COLUMNS = ('kind', 'time', 'stamp', 'x', 'y', 'theta', 'v_x', 'v_y', 'omega', 'segment', 'purpose')
 COMMAND, ODOMETRY, OBJECT_POSE, ROBOT_POSE = 'command', 'odometry', 'object_pose', 'robot_pose'
 
@@ -30,6 +30,8 @@ def to_csv(recording: Recording) -> str:
     """
     lines = io.StringIO()
     lines.write(f'{ROBOT}{json.dumps(to_mapping(recording.robot))}\n')
+    if recording.object is not None:
+        lines.write(f'{OBJECT}{json.dumps(to_mapping(recording.object))}\n')
     if recording.interruption is not None:
         lines.write(f'{INTERRUPTION}{recording.interruption.name}\n')
     table = csv.writer(lines, lineterminator='\n')
@@ -65,6 +67,9 @@ def from_csv(text: str, name: str = 'recording.csv') -> Recording:
         try:
             if line.startswith(INTERRUPTION):
                 recording.interruption = Interruption[line[len(INTERRUPTION):]]
+            elif line.startswith(OBJECT):
+                recording.object = from_mapping(
+                    PushedObject, json.loads(line[len(OBJECT):]), Location(name))
             elif line != ','.join(COLUMNS):
                 _add(recording, line.split(','))
         except (ValueError, KeyError) as error:

@@ -8,6 +8,7 @@ from push_base.calibration.drive_fit import DriveFit
 from push_base.calibration.estimation import BaseCalibration, MAX_AGE, MIN_AGE
 from push_base.calibration.findings import find_faults
 from push_base.calibration.topics import Noise, TopicTimes
+from push_base.calibration.touch import TouchResult
 from push_model.files.mapping import to_mapping
 from push_model.interval import Interval
 from push_model.parameters import RoundRobot
@@ -22,6 +23,9 @@ MIN_NOISE = 1e-4
 # Periods of object poses that may be missing, and least time-out [s]; chosen: a computer may be
 # busy for as long.
 LOST_PERIODS, MIN_TIMEOUT = 3.0, 0.1
+# Force that a base is stated to have over that at which its wheels spun; chosen: what warns of such
+# an object.
+SPIN_FORCE_RATIO = 0.9
 # Parameters of the robot that nothing here measures.
 STATED = {'radius', 'drive', 'track', 'max_push_force', 'identify_base'}
 
@@ -48,7 +52,10 @@ def summary(calibration: BaseCalibration) -> str:
                  else 'What is wrong, and what to do:')
     for finding in faults:
         lines += [f'* {finding.sentence}', f'  {finding.remedy}']
-    lines.append('Not measured: radius at a touch, mounting of the tracker, pushing force.')
+    lines.append('Not measured: ' + (
+        'radius at a touch, mounting of the tracker, pushing force (--touch).'
+        if calibration.touches is None else
+        'offsets of object poses across the push, the greatest pushing force.'))
     return '\n'.join(lines)
 
 
@@ -73,6 +80,10 @@ def rows(calibration: BaseCalibration) -> list[tuple[str, str]]:
     table += _noise_rows('velocity noise', calibration.velocity_noise, ('mm/s', 'mrad/s'))
     table += _topic_rows('object poses', calibration.object_times)
     table += _noise_rows('object pose noise', calibration.object_noise, ('mm', 'mrad'))
+    if calibration.touches is not None:
+        table += _touch_rows(calibration.touches)
+    elif calibration.recording.object is not None:
+        table.append(('touch', 'not done: no object poses of an object ahead, or it was stopped'))
     return table
 
 
@@ -94,6 +105,25 @@ def _drive_rows(robot: RoundRobot, drive: DriveFit) -> list[tuple[str, str]]:
         if 0.0 < value < math.inf:
             table.append((name, f'{value:.3f} {unit}'))
     return table
+
+
+def _touch_rows(result: TouchResult) -> Iterator[tuple[str, str]]:
+    for name, error in (('radius + size + offset', result.combined),
+                        ('radius + size', result.size_error),
+                        ('offset of object poses', result.pose_offset)):
+        if error is not None:
+            yield name, 'greater than stated by ' * (name != 'offset of object poses') + _text(
+                error, 1000.0, 'mm', 1)
+    if result.stamp_delay is not None:
+        yield 'object stamps too late', _text(result.stamp_delay, 1000.0, 'ms', 0)
+    ratio = min(touch.object_ratio for touch in result.touches)
+    force = f'{result.needed_force:.0f} N as stated'
+    is_unseen = any(touch.is_object_unseen for touch in result.touches)
+    yield 'force needed', force
+    yield 'force available', 'not known' if is_unseen else (
+        f'less: the object came {100.0 * max(0.0, ratio):.0f} % of the way of the wheels'
+        if result.is_too_weak else
+        f'as much: the object came {100.0 * ratio:.0f} % of the way of the wheels')
 
 
 def _channel_names(robot: RoundRobot) -> tuple[str, str]:
@@ -128,7 +158,13 @@ def robot_entries(calibration: BaseCalibration) -> list[Entry]:
     :return: (name, value, comment) of every parameter of ``RoundRobot``.
     """
     robot, drive = calibration.recording.robot, calibration.drive
-    measured = {} if drive is None else {entry[0]: entry for entry in _drive_entries(robot, drive)}
+    entries = [] if drive is None else _drive_entries(robot, drive)
+    touches = calibration.touches
+    if touches is not None and touches.is_too_weak:
+        force = min(robot.max_push_force, _rounded(SPIN_FORCE_RATIO * touches.needed_force))
+        entries.append(('max_push_force', force, 'wheels spun at an object that needs '
+                        f'{touches.needed_force:.1f} N'))
+    measured = {entry[0]: entry for entry in entries}
     comment = 'not measured' if drive is None else 'as stated'
     return [measured.get(name, (name, value, 'as stated' if name in STATED else comment))
             for name, value in to_mapping(robot).items()]

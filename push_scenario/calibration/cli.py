@@ -11,6 +11,7 @@ from push_base.calibration.program import CalibrationProgram
 from push_base.calibration.recording import Interruption, Recording
 from push_base.calibration.recording_file import from_csv, to_csv
 from push_base.calibration.report import summary, WRITERS
+from push_base.calibration.touch_program import TouchPlan
 from push_model.files.whole_file import write_whole
 from push_scenario.terminal_line import TerminalLine
 
@@ -23,8 +24,12 @@ DONE, FAILED, MISUSE, INTERRUPTED = 0, 1, 2, 130
 RECORDING, PICTURE = 'recording.csv', 'calibration.png'
 Value = TypeVar('Value')
 BAR_WIDTH = 30
+# Pushes at an object, by the argument.
+TOUCH_SIDES = {'once': 1, 'around': 2}
 # Where the robot stands beside the object of a scenario [m]: out of reach.
 AWAY = 3.0
+# The same where it is to touch it: ahead, beside the square.
+TOUCH_DISTANCE = 1.5
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -58,6 +63,12 @@ def _parser() -> argparse.ArgumentParser:
         'docs/robots/calibrate.md.')
     parser.add_argument('--sim', metavar='SCENARIO',
                         help='calibrate the true robot of a scenario, in one process without ROS')
+    parser.add_argument('--touch', nargs='?', const='once', choices=TOUCH_SIDES, metavar='around',
+                        help='then push the object of object_pose by 0.3 m: it stands ahead beside '
+                        'the square, on a free floor; around: also from the other side, with '
+                        'free floor all around')
+    parser.add_argument('--touch-only', action='store_true',
+                        help='measure nothing but the touch')
     parser.add_argument('--from', dest='recording', type=Path, metavar='FILE',
                         help='drive nothing: evaluate the recording.csv of an earlier run')
     parser.add_argument('--out', type=Path, default=Path('calibration'), metavar='DIR',
@@ -100,20 +111,27 @@ def _calibrate_simulated(options: argparse.Namespace) -> int:
     from push_scenario.definition.catalogue import find_scenario
     from push_scenario.definition.loader import read_scenario
     scenario = read_scenario(find_scenario(options.sim))
-    program, bar = CalibrationProgram(scenario.robot), ProgressBar()
+    sides = _touch_sides(options)
+    touch = TouchPlan(scenario.object, sides, options.touch_only) if sides else None
+    program, bar = CalibrationProgram(scenario.robot, touch=touch), ProgressBar()
     tracker = RobotTracker(scenario.sensors, scenario.simulation.seed)
     try:
-        run_program(program, _simulation(scenario), tracker, lambda _: bar(program))
+        run_program(program, _simulation(scenario, has_touch=sides > 0), tracker, lambda _: bar(program))
     except KeyboardInterrupt:
         program.interrupt(Interruption.BY_USER, program.recording.commands[-1].time
                           if program.recording.commands else 0.0)
     return _finish(program.recording, options.out)
 
 
-def _simulation(scenario: 'Scenario') -> 'Simulation':
+def _touch_sides(options: argparse.Namespace) -> int:
+    return TOUCH_SIDES[options.touch or 'once'] if options.touch or options.touch_only else 0
+
+
+def _simulation(scenario: 'Scenario', *, has_touch: bool) -> 'Simulation':
     from push_sim_node.simulation import Simulation
     start = scenario.start.object.pose
-    robot_pose = start._replace(x=start.x + AWAY, theta=0.0)
+    x = start.x - TOUCH_DISTANCE if has_touch else start.x + AWAY
+    robot_pose = start._replace(x=x, theta=0.0)
     return Simulation(scenario.true_object, scenario.true_robot, start, robot_pose,
                       scenario.simulation, scenario.sensors)
 
@@ -127,8 +145,8 @@ def _calibrate_over_ros(options: argparse.Namespace, arguments: list[str]) -> in
     from push_ros.executor import run
     statuses: list[int] = []
     status = run(lambda: Calibrator(
-        lambda program: statuses.append(_finish(program.recording, options.out)),
-        ProgressBar()), arguments)
+        lambda program: statuses.append(_finish(program.recording, options.out)), ProgressBar(),
+        _touch_sides(options), touches_only=options.touch_only), arguments)
     return status or (statuses[0] if statuses else MISUSE)
 
 

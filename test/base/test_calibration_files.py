@@ -34,7 +34,7 @@ def of_times(rate, jitter, seed, age=0.01, topic='odometry_times'):
     times = {'odometry_times': None, 'object_times': None, 'robot_times': None,
              topic: topic_times(stamps + age + rng.exponential(0.002, 400), stamps)}
     return BaseCalibration(recording, Signals.of(recording, by_stamp=True), True, None, None,
-                           None, None, None, **times)
+                           None, None, None, full_recording=recording, **times)
 
 
 @pytest.mark.parametrize('seed', range(10))
@@ -89,7 +89,7 @@ def random_recording(seed):
     def twist():
         return Twist(*rng.standard_normal(3).tolist())
 
-    times = rng.uniform(0.0, 2e9, 8).tolist()
+    times = rng.uniform(0.0, 2e9, len(Purpose)).tolist()
     return Recording(
         ROBOT, [SentCommand(times[k], twist(), k, purpose) for k, purpose in enumerate(Purpose)],
         [ReceivedOdometry(t, Odometry(t - 0.1, pose(), twist())) for t in times],

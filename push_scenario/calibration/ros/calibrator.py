@@ -10,6 +10,7 @@ from typing import Any
 from geometry_msgs.msg import PoseStamped
 from push_base.calibration.program import CalibrationProgram
 from push_base.calibration.recording import Interruption, ReceivedPose
+from push_base.calibration.touch_program import TouchPlan
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.quantity import check, quantity
 from push_model.signals import Odometry, STOP, Twist
@@ -64,17 +65,24 @@ class Calibrator(PushNode):
     """
 
     def __init__(self, on_end: Callable[[CalibrationProgram], None],
-                 on_progress: Callable[[CalibrationProgram], None]) -> None:
+                 on_progress: Callable[[CalibrationProgram], None],
+                 touch_sides: int = 0, *, touches_only: bool = False) -> None:
         """
         Read the parameters.
 
         :param on_end: takes the ``CalibrationProgram`` once the robot has been stopped.
         :param on_progress: takes it at each command.
+        :param touch_sides: sides of the object to touch, 0, 1 or 2.
+        :param touches_only: whether nothing else is measured.
         """
         super().__init__(NAME, SECTIONS)
-        _, robot, self._frames, self._options = self.settings
+        obj, robot, self._frames, self._options = self.settings
         self._on_end, self._on_progress = on_end, on_progress
-        self._program = CalibrationProgram(robot, self._options.side)
+        self._program = CalibrationProgram(
+            robot, self._options.side,
+            TouchPlan(obj, touch_sides, touches_only) if touch_sides else None)
+        # Frames of the poses of object and robot, which a touch compares.
+        self._pose_frames: dict[str, str] = {}
         self._publisher = self.publisher('cmd_vel', self._options.enable_stamped_cmd_vel)
         self._command = STOP
         self._due = 0.0
@@ -157,5 +165,19 @@ class Calibrator(PushNode):
         except MessageRefused as refusal:
             self.reporter.report(ERROR, str(refusal))
             return
+        self._compare_frames(topic, message.header.frame_id)
         now = pose.time if self._options.lockstep else self._time()
         poses.append(ReceivedPose(now, pose))
+
+    def _compare_frames(self, topic: str, frame: str) -> None:
+        """Touch nothing where it is not known where the object is for the robot."""
+        if self._program.recording.object is None:
+            return
+        self._pose_frames[topic] = frame
+        expected = self._pose_frames.get('robot_pose', self._frames.world_frame)
+        object_frame = self._pose_frames.get('object_pose', expected)
+        self._program.may_touch = object_frame == expected
+        # At first, robot_pose may not have come yet.
+        if not self._program.may_touch and self._program.progress > 0.0:
+            self.reporter.report(ERROR, f'object_pose is in {object_frame!r}, expected '
+                                 f'{expected!r}: nothing is touched')
