@@ -1,11 +1,10 @@
 """
-Calibrate drawn bases in simulation, and count what is right.
+Calibration of drawn bases in simulation.
 
 Bases have a dead band before or behind the lag, dead time, lag, steps of speeds, uneven wheels,
-and odometry that errs. ``python -m benchmarks.calibration [BASES]`` prints a row for each.
+and odometry that errs.
 """
 
-import sys
 from typing import NamedTuple
 
 import numpy as np
@@ -21,7 +20,6 @@ from push_sim_node.sensors import SensorSettings
 from push_sim_node.settings import SimulationSettings
 from push_sim_node.simulation import Simulation
 
-BASES = 40
 # The object stands out of the square.
 OBJECT_POSE, ROBOT_POSE = Pose(4.0, 0.0, 0.3), Pose(0.0, 0.0, 0.5)
 # Errors that count as right: dead time [s], least speed [m/s], lag and scale (relative).
@@ -126,25 +124,3 @@ def errors_of(base: DrawnBase,
     return {name: (float('nan'), False) if interval is None
             else ((interval.value - value) / unit, interval.covers(value))
             for name, (interval, value, unit) in measured.items()}
-
-
-def main() -> None:
-    """Calibrate drawn bases and print how well it went."""
-    count = int(sys.argv[1]) if len(sys.argv) > 1 else BASES
-    results: list[dict[str, tuple[float, bool]]] = []
-    for seed in range(count):
-        base = draw_base(seed)
-        results.append(errors_of(base, calibrate(base, seed)))
-        print(seed, base.robot.drive, ' '.join(
-            f'{name} {error:+.4f}{"" if is_covered else "!"}'
-            for name, (error, is_covered) in results[-1].items()), flush=True)
-    for name in results[0]:
-        errors = [abs(result[name][0]) for result in results]
-        limit = TOLERANCES.get(name)
-        right = '' if limit is None else f'{sum(e <= limit for e in errors)} within {limit:g}, '
-        print(f'{name}: {right}median {np.median(errors):.4f}, largest {np.nanmax(errors):.4f}, '
-              f'covered {sum(result[name][1] for result in results)} of {count}')
-
-
-if __name__ == '__main__':
-    main()

@@ -2,7 +2,8 @@
 Recordings as text: a CSV table with a row for each command and each measurement.
 
 Comments stand above it: the nominal robot, as JSON, the object, if it is touched, and why the
-recording ended early, if it did. Read again, a recording is the same to the last digit, without covariances.
+recording ended early, if it did. Read again, a recording is the same to the last digit,
+without covariances.
 """
 
 import csv

@@ -23,8 +23,8 @@ MIN_NOISE = 1e-4
 # Periods of object poses that may be missing, and least time-out [s]; chosen: a computer may be
 # busy for as long.
 LOST_PERIODS, MIN_TIMEOUT = 3.0, 0.1
-# Force that a base is stated to have over that at which its wheels spun; chosen: what warns of such
-# an object.
+# Force that a base is stated to have over that at which its wheels spun; chosen: what warns of
+# such an object.
 SPIN_FORCE_RATIO = 0.9
 # Parameters of the robot that nothing here measures.
 STATED = {'radius', 'drive', 'track', 'max_push_force', 'identify_base'}

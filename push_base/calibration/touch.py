@@ -189,15 +189,15 @@ class _Tracks:
         found = find_contact(self._object, after, robot, self._robot.radius)
         contact = contact_point(self._object, found.contact)
         direction = math.cos(found.gamma), math.sin(found.gamma)
-        way = _way(before.transform(contact), after.transform(contact), direction)
-        wheels = self._wheel_way(push, before, direction)
-        object_ratio = way / wheels if wheels > 0.0 else 1.0
+        travel = _displacement(before.transform(contact), after.transform(contact), direction)
+        wheels = self._wheel_travel(push, before, direction)
+        object_ratio = travel / wheels if wheels > 0.0 else 1.0
         robot_ratio = self._robot_ratio(push, direction) if self._is_measured else None
         is_moved = object_ratio >= SPIN_RATIO
         gap = _mean(gaps, MIN_GAP_WIDTH) if is_moved or self._is_measured else None
         is_unseen = not is_moved and (robot_ratio or 0.0) > MIN_PROGRESS
         return Touch(found.gamma - after.theta, None if is_unseen else gap,
-                     self._stamp_delay(push, way, gap) if is_moved else None,
+                     self._stamp_delay(push, travel, gap) if is_moved else None,
                      object_ratio, robot_ratio)
 
     def _mean_object(self, end: float) -> Pose | None:
@@ -220,7 +220,7 @@ class _Tracks:
         return np.array([robot_gap(self._object, row[1:], robot, self._robot.radius)
                          for row, robot in zip(rows, robots)], dtype=np.float64)
 
-    def _wheel_way(self, push: _Push, before: Pose, direction: Coordinates) -> float:
+    def _wheel_travel(self, push: _Push, before: Pose, direction: Coordinates) -> float:
         """Return how far the wheels turned behind the touch [m]."""
         first = self._robot_at(push.start)
         free = robot_gap(self._object, before, first, self._robot.radius)
@@ -234,17 +234,16 @@ class _Tracks:
     def _robot_ratio(self, push: _Push, direction: Coordinates) -> float:
         """Compare the way of robot and wheels, of the second half of the drive."""
         middle = 0.5 * (push.start + push.stop)
-        way = _way(*(tuple(float(np.interp(time, self._robots[:, 0], self._robots[:, k]))
-                           for k in (1, 2)) for time in (middle, push.stop)), direction)
+        travel = _displacement(self._at(middle), self._at(push.stop), direction)
         wheels = math.dist(self._wheels_at(middle)[:2], self._wheels_at(push.stop)[:2])
-        return way / wheels if wheels > 0.0 else 1.0
+        return travel / wheels if wheels > 0.0 else 1.0
 
-    def _stamp_delay(self, push: _Push, way: float, gap: Interval | None) -> Interval | None:
+    def _stamp_delay(self, push: _Push, travel: float, gap: Interval | None) -> Interval | None:
         """Return by how much poses are measured before their stamps say [s]."""
         speed = self._speed(push)
-        if gap is None or way <= 2.0 * SETTLING_DISTANCE or speed <= 0.0:
+        if gap is None or travel <= 2.0 * SETTLING_DISTANCE or speed <= 0.0:
             return None
-        start = push.stop - (way - SETTLING_DISTANCE) / speed
+        start = push.stop - (travel - SETTLING_DISTANCE) / speed
         gaps = self._gaps(start, push.stop)
         if len(gaps) < MIN_POSES:
             return None
@@ -256,9 +255,13 @@ class _Tracks:
     def _speed(self, push: _Push) -> float:
         """Return the speed of the robot in the second half of the drive [m/s]."""
         middle = 0.5 * (push.start + push.stop)
-        points = [[float(np.interp(time, self._robots[:, 0], self._robots[:, k]))
-                   for k in (1, 2)] for time in (middle, push.stop)]
-        return math.dist(*points) / max(1e-3, push.stop - middle)
+        return (math.dist(self._at(middle), self._at(push.stop))
+                / max(1e-3, push.stop - middle))
+
+    def _at(self, time: float) -> tuple[float, float]:
+        """Return the position of the robot (x, y) at a time [m]."""
+        x, y = (float(np.interp(time, self._robots[:, 0], self._robots[:, k])) for k in (1, 2))
+        return x, y
 
 
 def _rows(poses: list[ReceivedPose]) -> FloatArray:
@@ -274,7 +277,7 @@ def _clock_offset(recording: Recording) -> float:
     return age if not -0.005 <= age <= 1.0 else 0.0
 
 
-def _way(start: Coordinates, end: Coordinates, direction: Coordinates) -> float:
+def _displacement(start: Coordinates, end: Coordinates, direction: Coordinates) -> float:
     """Return the distance from one point to another along a direction [m]."""
     return float((end[0] - start[0]) * direction[0] + (end[1] - start[1]) * direction[1])
 

@@ -180,11 +180,11 @@ class TouchProgram:
         """Push, rest in contact, and back off."""
         frame = self._frame(obj, robot)
         x, _ = frame.inverse().transform(robot[:2])
-        way = -x - _extent(self._plan.object, obj, frame) - self._radius
+        free = -x - _extent(self._plan.object, obj, frame) - self._radius
         speed = min(SPEED, self._robot.max_speed)
         ahead = Twist(speed, 0.0, 0.0)
         return [Drive(Purpose.APPROACH, REST_TIME),
-                Drive(Purpose.TOUCH, (max(0.0, way) + DISTANCE) / speed, ahead),
+                Drive(Purpose.TOUCH, (max(0.0, free) + DISTANCE) / speed, ahead),
                 Drive(Purpose.CONTACT, REST_TIME),
                 Drive(Purpose.APPROACH, RETREAT / speed, Twist(-speed, 0.0, 0.0)),
                 Drive(Purpose.APPROACH, SETTLE_TIME)]
@@ -217,7 +217,7 @@ def _last(poses: list[ReceivedPose], now: float) -> Pose | None:
 
 
 def _push_direction(obj: PushedObject, pose: Pose, robot: Pose) -> float:
-    """Choose the direction of the push, object frame: that of the face that the robot is before."""
+    """Choose the direction of the push, object frame: that of the face before the robot."""
     x, y = pose.inverse().transform(robot[:2])
     bearing = math.atan2(obj.center_of_mass[1] - y, obj.center_of_mass[0] - x)
     if not obj.outline:

@@ -64,8 +64,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument('--sim', metavar='SCENARIO',
                         help='calibrate the true robot of a scenario, in one process without ROS')
     parser.add_argument('--touch', nargs='?', const='once', choices=TOUCH_SIDES, metavar='around',
-                        help='then push the object of object_pose by 0.3 m: it stands ahead beside '
-                        'the square, on a free floor; around: also from the other side, with '
+                        help='then push the object of object_pose by 0.3 m: it stands ahead, '
+                        'beside the square, on a free floor; around: also from the other side, with '
                         'free floor all around')
     parser.add_argument('--touch-only', action='store_true',
                         help='measure nothing but the touch')
@@ -116,7 +116,8 @@ def _calibrate_simulated(options: argparse.Namespace) -> int:
     program, bar = CalibrationProgram(scenario.robot, touch=touch), ProgressBar()
     tracker = RobotTracker(scenario.sensors, scenario.simulation.seed)
     try:
-        run_program(program, _simulation(scenario, has_touch=sides > 0), tracker, lambda _: bar(program))
+        run_program(program, _simulation(scenario, has_touch=sides > 0), tracker,
+                    lambda _: bar(program))
     except KeyboardInterrupt:
         program.interrupt(Interruption.BY_USER, program.recording.commands[-1].time
                           if program.recording.commands else 0.0)
@@ -210,7 +211,7 @@ class _Products:
     def _attempt(self, name: str, make: Callable[[], Value]) -> Value | None:
         try:
             return make()
-        except Exception as error:
+        except Exception as error:  # noqa: B902 (named, and the exit status)
             self.has_failed = True
             print(f'calibrate: {name} failed: {type(error).__name__}: {error}', file=sys.stderr)
             return None

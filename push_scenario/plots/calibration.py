@@ -15,6 +15,8 @@ from push_scenario.plots.drawing import GOAL, INK, PLAN, PUSH_COLORS, style_axes
 
 SIZE = 11.0, 7.5  # [inch]
 DPI = 100
+# Lines of the table: height, of its axes, and size of the font where that is enough.
+LINE_HEIGHT, FONT_SIZE = 0.052, 7.5
 LABELS = 'speed ahead [m/s]', 'yaw rate [rad/s]'
 
 
@@ -50,7 +52,8 @@ def _velocities(axes: Axes, calibration: BaseCalibration, axis: int, start: floa
         axes.plot(signals.times - start, predicted[:, axis], color=PUSH_COLORS[1],
                   linewidth=0.9, linestyle='--', label='fitted drive')
     style_axes(axes)
-    axes.legend(loc='upper right', ncols=3, frameon=False, fontsize='small')
+    axes.legend(loc='lower right', bbox_to_anchor=(1.0, 1.0), borderaxespad=0.0, ncols=3,
+                frameon=False, fontsize='small')
 
 
 def _ramp(axes: Axes, calibration: BaseCalibration) -> None:
@@ -77,10 +80,12 @@ def _ramp(axes: Axes, calibration: BaseCalibration) -> None:
 
 def _table(axes: Axes, calibration: BaseCalibration) -> None:
     axes.axis('off')
-    lines = [f'{name}: {text}' for name, text in rows(calibration)]
-    axes.text(0.0, 1.0, '\n'.join(lines), va='top', fontsize=7.5, color=INK,
-              transform=axes.transAxes)
     faults = find_faults(calibration)
-    text = '\n'.join(f'! {finding.sentence}' for finding in faults) or 'nothing is wrong'
-    axes.text(0.0, 0.0, text, va='bottom', fontsize=7.5, color=WARNING if faults else GOAL,
-              transform=axes.transAxes)
+    lines = [(f'{name}: {text}', INK) for name, text in rows(calibration)]
+    lines.append(('', INK))
+    lines += [(f'! {finding.sentence}', WARNING) for finding in faults] or [
+        ('nothing is wrong', GOAL)]
+    step = min(LINE_HEIGHT, 1.0 / len(lines))
+    for number, (text, color) in enumerate(lines):
+        axes.text(0.0, 1.0 - number * step, text, va='top', color=color,
+                  fontsize=FONT_SIZE * step / LINE_HEIGHT, transform=axes.transAxes)

@@ -12,6 +12,7 @@ import pytest
 PAGES = sorted(path.relative_to(ROOT).as_posix() for path in files(ROOT) if path.suffix == '.md')
 TEXTS = {page: (ROOT / page).read_text(encoding='utf-8') for page in PAGES}
 REPORTS = {
+    'benchmarks/calibration/calibrate.md.in': 'docs/robots/calibrate.md',
     'benchmarks/controller/controller.md.in': 'docs/control/controller.md',
     'benchmarks/faults/faults.md.in': 'docs/control/faults.md',
     'benchmarks/planner/planner.md.in': 'docs/planner/planner.md',
