@@ -63,10 +63,10 @@ def _parser() -> argparse.ArgumentParser:
         'docs/robots/calibrate.md.')
     parser.add_argument('--sim', metavar='SCENARIO',
                         help='calibrate the true robot of a scenario, in one process without ROS')
-    parser.add_argument('--touch', nargs='?', const='once', choices=TOUCH_SIDES, metavar='around',
-                        help='then push the object of object_pose by 0.3 m: it stands ahead, '
-                        'beside the square, on a free floor; around: also from the other side, with '
-                        'free floor all around')
+    parser.add_argument('--touch', nargs='?', const='once', choices=TOUCH_SIDES,
+                        metavar='around', help='then push the object of object_pose by 0.3 m: '
+                        'it stands ahead, beside the square, on a free floor; around: '
+                        'also from the other side, with free floor all around')
     parser.add_argument('--touch-only', action='store_true',
                         help='measure nothing but the touch')
     parser.add_argument('--from', dest='recording', type=Path, metavar='FILE',
