@@ -26,7 +26,7 @@ from push_scenario.definition.scenario import Scenario
 from tqdm import tqdm
 
 # Scenarios in which nothing is driven, and one whose plans in a large map take longest.
-LEFT_OUT = 'unreachable_goal', 'task_flat'
+LEFT_OUT = 'unreachable_goal', 'task_flat', 'task_spinning_wheels'
 # Part of the runs that are random tasks; chosen.
 TASK_RATIO = 0.4
 # Faults of a run, at most; their lengths, evenly in logarithms [s]; when they begin [s], before
