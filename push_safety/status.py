@@ -39,10 +39,10 @@ class SafetyReason(enum.Enum):
     # It waits for a word, be the base as it may.
     BASE_STOOD = (
         'the base did not move for {duration:.1f} s although commanded: an emergency stop, or '
-        'something in the way? call controller/resume or send a goal')
+        'something in the way? call controller/resume or send another goal')
     ODOMETRY_WAS_MISSING = (
         'no odometry has come for {duration:.1f} s: an emergency stop? call controller/resume or '
-        'send a goal')
+        'send another goal')
 
     # Odometry contradicts itself.
     ODOMETRY_JUMPED = 'odometry has jumped by {distance:.2f} m and {rotation:.0f} deg'

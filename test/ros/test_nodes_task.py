@@ -335,7 +335,7 @@ def test_a_base_that_stands_for_seconds_waits_for_resume(stand, planned):
             request = stand.requests[-1]
             answered = len(stand.requests)
             stand.answer(planned(request), request)
-        return any('call controller/resume or send a goal' in text
+        return any('call controller/resume or send another goal' in text
                    for text in texts(stand.b, CONTROLLER))
     assert any(command != ZERO for command in stand.measure_until(is_waiting))
     assert set(stand.measure(2.0)) == {ZERO}
