@@ -160,8 +160,18 @@ class OccupancyMap:
         :param margin: distance [m].
         :return: number of the pose, or None.
         """
+        return _first(self.robot_collisions(robot, poses, margin))
+
+    def robot_collisions(self, robot: RoundRobot, poses: ArrayLike, margin: float) -> BoolArray:
+        """
+        Tell for each pose whether the robot is nearer to an obstacle than a margin.
+
+        :param poses: (x, y, theta) or (x, y) in the world, shape (n, 3) or (n, 2).
+        :param margin: distance [m].
+        :return: shape (n,).
+        """
         poses = np.asarray(poses, dtype=float)
-        return _first(self.clearance(poses[:, :2]) < robot.radius + margin)
+        return self.clearance(poses[:, :2]) < robot.radius + margin
 
     def first_object_collision(self, obj: PushedObject, poses: ArrayLike,
                                margin: float) -> int | None:
@@ -172,16 +182,26 @@ class OccupancyMap:
         :param margin: distance [m].
         :return: number of the pose, or None.
         """
+        return _first(self.object_collisions(obj, poses, margin))
+
+    def object_collisions(self, obj: PushedObject, poses: ArrayLike, margin: float) -> BoolArray:
+        """
+        Tell for each pose whether the object is nearer to an obstacle than a margin.
+
+        :param poses: of the object frame (x, y, theta) in the world, shape (n, 3).
+        :param margin: distance [m].
+        :return: shape (n,).
+        """
         poses = np.asarray(poses, dtype=float)
         if not obj.outline:
-            return _first(self.clearance(poses[:, :2]) < obj.radius + margin)
+            return self.clearance(poses[:, :2]) < obj.radius + margin
         points, radius, center = _covering_points(obj.outline, self.resolution)
         # Where even the circle round the object is clear, its points need no look.
         collides = self.clearance(_placed(center[None, :], poses)) < radius + margin
         close = np.flatnonzero(collides)
         if close.size:
             collides[close] = self._outline_clearances(points, poses[close]) < margin
-        return _first(collides)
+        return collides
 
     def object_clearance(self, obj: PushedObject, poses: ArrayLike) -> float:
         """

@@ -1,13 +1,12 @@
 """Checks of a plan before it is driven: it pushes this object, from where it is, to its goal."""
 
-from collections.abc import Callable
 import math
 from typing import NamedTuple
 
 import numpy as np
 from push_control.steered.estimation.contact_site import CONTACT_TOLERANCE
 from push_model.contact import find_contact
-from push_model.geometry import distance, FloatArray, Pose, wrap_angle
+from push_model.geometry import BoolArray, distance, FloatArray, Pose, wrap_angle
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.trajectory import PushLine, PushTrajectory
 from push_navigation.occupancy_map import OccupancyMap
@@ -17,6 +16,11 @@ from push_primitives.simplification import simplified_object
 # Speed and yaw rate of a plan over the limits of the robot; chosen: planners keep to the limits,
 # and samples of a straight push, which are a mean, are not exact.
 MAX_SPEED_RATIO = 1.2
+# Distance between two positions that are compared with a map, over the side of a cell; chosen: no
+# obstacle fits between them. And the number of them from which on they are farther apart; chosen:
+# 250 m of a map with cells of 5 cm, in less than 0.1 s.
+SPACING_RATIO = 0.5
+MAX_POSITIONS = 10_000
 
 
 class Place(NamedTuple):
@@ -109,9 +113,8 @@ def _check_contact(plan: PushTrajectory, obj: PushedObject, robot: RoundRobot) -
     if not abs(gap) <= CONTACT_TOLERANCE:
         raise ValueError(f'the plan is for another object or robot: got a gap of {gap:.3f} m '
                          f'between them at its start, expected at most {CONTACT_TOLERANCE:g} m')
-    reach = obj.radius if not obj.outline else max(math.hypot(*point) for point in obj.outline)
     apart = float(np.hypot(*(plan.robot_poses - plan.object_poses)[:, :2].T).max())
-    largest = reach + robot.radius + CONTACT_TOLERANCE
+    largest = _extent(obj) + robot.radius + CONTACT_TOLERANCE
     if apart > largest:
         raise ValueError(f'the plan loses the object: got {apart:.2f} m between it and the robot, '
                          f'expected at most {largest:.2f} m')
@@ -127,24 +130,52 @@ def _check_face(line: PushLine, obj: PushedObject) -> None:
 
 def _check_map(plan: PushTrajectory, obj: PushedObject, robot: RoundRobot,
                occupancy_map: OccupancyMap) -> None:
-    def object_collision(poses: FloatArray) -> int | None:
-        return occupancy_map.first_object_collision(obj, poses, 0.0)
+    """Refuse a plan into an obstacle, be it between two samples."""
+    spacing = SPACING_RATIO * occupancy_map.resolution
+    objects = _filled_in(plan.object_poses, spacing, _extent(obj))
+    _check_body('object', objects, occupancy_map.object_collisions(obj, objects, 0.0))
+    robots = _filled_in(plan.robot_poses, spacing, 0.0)
+    _check_body('robot', robots, occupancy_map.robot_collisions(robot, robots, 0.0))
+    if plan.line is not None:
+        # What the robot drives; the samples may cut its arc short.
+        driven = plan.line.robot_poses(Pose(*plan.object_poses[0].tolist()), np.linspace(
+            0.0, plan.line.length, _count(plan.line.length, spacing)))
+        _check_body('robot', driven, occupancy_map.robot_collisions(robot, driven, 0.0))
 
-    def robot_collision(poses: FloatArray) -> int | None:
-        return occupancy_map.first_robot_collision(robot, poses, 0.0)
-    _check_body('object', plan.object_poses, object_collision)
-    _check_body('robot', plan.robot_poses, robot_collision)
+
+def _filled_in(poses: FloatArray, spacing: float, extent: float) -> FloatArray:
+    """
+    Interpolate between the samples, so that no point of a body moves farther than a spacing.
+
+    :param poses: (x, y, theta), shape (n, 3).
+    :param spacing: [m].
+    :param extent: distance of the outermost point of the body from its origin [m].
+    :return: poses with those of the samples, shape (m, 3).
+    """
+    columns = np.column_stack((poses[:, :2], np.unwrap(poses[:, 2])))
+    steps = np.abs(np.diff(columns, axis=0))
+    ways = np.concatenate(([0.0], np.cumsum(np.hypot(steps[:, 0], steps[:, 1])
+                                            + extent * steps[:, 2])))
+    between = np.union1d(ways, np.linspace(0.0, ways[-1], _count(float(ways[-1]), spacing)))
+    return np.column_stack([np.interp(between, ways, column) for column in columns.T])
 
 
-def _check_body(name: str, poses: FloatArray,
-                first_collision: Callable[[FloatArray], int | None]) -> None:
+def _count(length: float, spacing: float) -> int:
+    """Count positions along a way at most so far apart, up to a number that takes no time."""
+    return 2 + int(min(length / spacing, MAX_POSITIONS))
+
+
+def _extent(obj: PushedObject) -> float:
+    """Distance of the outermost point of an object from its origin [m]."""
+    return obj.radius if not obj.outline else max(math.hypot(*point) for point in obj.outline)
+
+
+def _check_body(name: str, poses: FloatArray, collides: BoolArray) -> None:
     """Refuse poses that lead into an obstacle; a body that stands in one at first may leave it."""
-    free = next((sample for sample in range(len(poses))
-                 if first_collision(poses[sample:sample + 1]) is None), len(poses))
-    if free == len(poses):
+    if collides.all():
         raise ValueError(f'the plan keeps the {name} in obstacles of the map')
-    collision = first_collision(poses[free:])
-    if collision is not None:
-        x, y, _ = poses[free + collision].tolist()
+    free = int(np.argmin(collides))
+    if collides[free:].any():
+        x, y, _ = poses[free + int(np.argmax(collides[free:]))].tolist()
         raise ValueError(f'the plan leads the {name} into an obstacle of the map, at {x:.2f} m, '
                          f'{y:.2f} m')
