@@ -69,6 +69,7 @@ def check_plan(plan: PushTrajectory, expected: ExpectedPush) -> None:
     _check_ends(plan, expected)
     _check_speeds(plan, expected.robot)
     _check_contact(plan, expected.obj, expected.robot)
+    _check_contact_points(plan, expected.obj, expected.robot)
     if plan.line is not None:
         _check_face(plan.line, expected.obj)
     if expected.occupancy_map is not None:
@@ -113,11 +114,34 @@ def _check_contact(plan: PushTrajectory, obj: PushedObject, robot: RoundRobot) -
     if not abs(gap) <= CONTACT_TOLERANCE:
         raise ValueError(f'the plan is for another object or robot: got a gap of {gap:.3f} m '
                          f'between them at its start, expected at most {CONTACT_TOLERANCE:g} m')
-    apart = float(np.hypot(*(plan.robot_poses - plan.object_poses)[:, :2].T).max())
+    apart = _greatest_distance(plan.robot_poses, plan.object_poses)
     largest = _extent(obj) + robot.radius + CONTACT_TOLERANCE
     if apart > largest:
         raise ValueError(f'the plan loses the object: got {apart:.2f} m between it and the robot, '
                          f'expected at most {largest:.2f} m')
+
+
+def _check_contact_points(plan: PushTrajectory, obj: PushedObject, robot: RoundRobot) -> None:
+    """
+    Refuse contact points that are at neither body, or that are faster than the robot can be.
+
+    Length and speed of a push are those of its contact point.
+    """
+    for name, poses, extent in (('object', plan.object_poses, _extent(obj)),
+                                ('robot', plan.robot_poses, robot.radius)):
+        apart, largest = _greatest_distance(plan.contact_poses, poses), extent + CONTACT_TOLERANCE
+        if apart > largest:
+            raise ValueError(f'the plan has a contact point off the {name}: got {apart:.3f} m '
+                             f'from its origin, expected at most {largest:.3f} m')
+    speed = float(np.hypot(*plan.contact_twists[:, :2].T).max())
+    fastest = robot.max_speed + robot.max_yaw_rate * robot.radius
+    if speed > MAX_SPEED_RATIO * fastest:
+        raise ValueError(f'the plan has a contact point that is beyond the robot: got '
+                         f'{speed:.3g} m/s, expected at most {fastest:g} m/s')
+
+
+def _greatest_distance(poses: FloatArray, others: FloatArray) -> float:
+    return float(np.hypot(*(poses - others)[:, :2].T).max())
 
 
 def _check_face(line: PushLine, obj: PushedObject) -> None:
@@ -138,8 +162,9 @@ def _check_map(plan: PushTrajectory, obj: PushedObject, robot: RoundRobot,
     _check_body('robot', robots, occupancy_map.robot_collisions(robot, robots, 0.0))
     if plan.line is not None:
         # What the robot drives; the samples may cut its arc short.
-        driven = plan.line.robot_poses(Pose(*plan.object_poses[0].tolist()), np.linspace(
-            0.0, plan.line.length, _count(plan.line.length, spacing)))
+        distances = np.linspace(0.0, plan.line.length, _count(plan.line.length, spacing),
+                                dtype=np.float64)
+        driven = plan.line.robot_poses(Pose(*plan.object_poses[0].tolist()), distances)
         _check_body('robot', driven, occupancy_map.robot_collisions(robot, driven, 0.0))
 
 
@@ -154,14 +179,15 @@ def _filled_in(poses: FloatArray, spacing: float, extent: float) -> FloatArray:
     """
     columns = np.column_stack((poses[:, :2], np.unwrap(poses[:, 2])))
     steps = np.abs(np.diff(columns, axis=0))
-    ways = np.concatenate(([0.0], np.cumsum(np.hypot(steps[:, 0], steps[:, 1])
-                                            + extent * steps[:, 2])))
-    between = np.union1d(ways, np.linspace(0.0, ways[-1], _count(float(ways[-1]), spacing)))
-    return np.column_stack([np.interp(between, ways, column) for column in columns.T])
+    lengths = np.concatenate(([0.0], np.cumsum(np.hypot(steps[:, 0], steps[:, 1])
+                                               + extent * steps[:, 2])))
+    count = _count(float(lengths[-1]), spacing)
+    between = np.union1d(lengths, np.linspace(0.0, lengths[-1], count))
+    return np.column_stack([np.interp(between, lengths, column) for column in columns.T])
 
 
 def _count(length: float, spacing: float) -> int:
-    """Count positions along a way at most so far apart, up to a number that takes no time."""
+    """Count positions along a path at most so far apart, up to a number that takes no time."""
     return 2 + int(min(length / spacing, MAX_POSITIONS))
 
 

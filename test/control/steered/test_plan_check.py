@@ -58,8 +58,11 @@ def test_a_corner_of_the_object_does_not_turn_through_a_wall() -> None:
     turned = thinned(plan_push(face_problem(Pose(1.5, 0.0, 0.0))).trajectory, [0, -1])
     poses = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, math.pi / 2]])
     robots = np.array([[-0.37, 0.0, 0.0], [0.0, -0.37, math.pi / 2]])
-    turned = dataclasses.replace(turned, object_poses=poses, robot_poses=robots, **{
-        name: np.zeros((2, 3)) for name in COLUMNS if name.endswith('twists')})
+    contacts = np.array([[-0.2, 0.0, 0.0], [0.0, -0.2, math.pi / 2]])
+    turned = dataclasses.replace(turned, object_poses=poses, contact_poses=contacts,
+                                 robot_poses=robots, **{
+                                     name: np.zeros((2, 3)) for name in COLUMNS
+                                     if name.endswith('twists')})
     post = walled_room((0.25, 0.3, -0.025, 0.025), resolution=0.025)
     with pytest.raises(ValueError, match='leads the object into an obstacle of the map'):
         check_plan(turned, expected(post))
@@ -108,3 +111,14 @@ def test_a_fine_map_takes_no_more_positions_than_time_allows(
     _check_map(far, BOX, HOLONOMIC, OccupancyMap(0.005, Pose(-100.0, -1.0, 0.0),
                                                  np.zeros((400, 60_000), dtype=bool)))
     assert MAX_POSITIONS <= counts[0] <= MAX_POSITIONS + 2 * len(far.times)
+
+
+@pytest.mark.parametrize('name, factor, text', [
+    ('contact_poses', 1000.0, 'contact point off the object'),
+    ('contact_twists', 50.0, 'contact point that is beyond the robot')])
+def test_a_contact_point_that_neither_body_has_is_refused(ahead: PushTrajectory, name: str,
+                                                          factor: float, text: str) -> None:
+    """Length and speed of the push would be its own."""
+    spoilt = dataclasses.replace(ahead, **{name: factor * getattr(ahead, name)})
+    with pytest.raises(ValueError, match=text):
+        check_plan(spoilt, expected())
