@@ -65,7 +65,7 @@ COVERED_RATIO = 0.5
 MIN_STRAIGHTNESS = 0.9
 MOVING_RATIOS = 0.6, 1.6
 # Height times duration of a pulse below which a least speed that is too high costs nothing [m];
-# measured: docs/robots/any_base.md.
+# chosen: about the tolerance of goals, which the lag of a drive evens out.
 FREE_QUANTUM = 0.012
 # Rounding of speeds.
 ROUNDING = 1.0 - 1e-6

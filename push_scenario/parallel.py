@@ -310,7 +310,7 @@ def _run_job(function: JobFunction, job: Job) -> Row:
     """Return the row or, so that one job does not lose the others, its error."""
     try:
         return {key: _plain_cell(key, value) for key, value in function(job).items()}
-    except Exception as error:  # noqa: B902
+    except Exception as error:  # noqa: B902 (a row of its own)
         return {ERROR: f'{type(error).__name__}: {error}'}
 
 
