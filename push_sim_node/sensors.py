@@ -68,6 +68,9 @@ class SensorSettings:
                                               math.pi, default=0.0)
     odometry_speed_noise: float = quantity('velocity std per axis', 'm/s', 0.0, 1.0, default=0.0)
     odometry_yaw_rate_noise: float = quantity('yaw rate std', 'rad/s', 0.0, 1.0, default=0.0)
+    odometry_step: float = quantity('step to which coordinates of odometry are rounded; 0: none',
+                                    'm', 0.0, 0.1, default=0.0)
+    odometry_angle_step: float = quantity('the same of its heading', 'rad', 0.0, 0.5, default=0.0)
 
     def __post_init__(self) -> None:
         """Validate the fields."""
@@ -293,17 +296,22 @@ class OdometrySensor:
         d_x, d_y = chord_velocity(theta, v_x, v_y, rotation, 1.0)
         x, y, theta = self._pose = x + d_x, y + d_y, theta + rotation
         self._covariance.move(d_x, d_y, rotation)
-        return Odometry(time, Pose(x, y, wrap_angle(theta)), self._measured(twist),
+        return Odometry(time, self._rounded(x, y, theta), self._measured(twist),
                         self._covariance.covariance)
 
     def _measured_in_world(self, time: float, pose: Pose, twist: Twist) -> Odometry:
         e_x, e_y, e_theta = self._pose_noise.standard_normal(3).tolist()
         position = self._settings.odometry_position_noise
         heading = self._settings.odometry_heading_noise
-        measured = Pose(pose.x + position * e_x, pose.y + position * e_y,
-                        wrap_angle(pose.theta + heading * e_theta))
+        measured = self._rounded(pose.x + position * e_x, pose.y + position * e_y,
+                                 pose.theta + heading * e_theta)
         return Odometry(time, measured, self._measured(twist),
                         PoseCovariance.from_deviations(position, heading))
+
+    def _rounded(self, x: float, y: float, theta: float) -> Pose:
+        """Round a pose to the steps of the settings; wrap its heading."""
+        step, angle_step = self._settings.odometry_step, self._settings.odometry_angle_step
+        return Pose(_in_steps(x, step), _in_steps(y, step), wrap_angle(_in_steps(theta, angle_step)))
 
     def _biased(self, v_x: float, v_y: float, omega: float) -> tuple[float, float, float]:
         """Add the errors that stay for a run to a twist."""
@@ -317,6 +325,10 @@ class OdometrySensor:
         speed_noise = self._settings.odometry_speed_noise
         return Twist(v_x + speed_noise * e_x, v_y + speed_noise * e_y,
                      omega + self._settings.odometry_yaw_rate_noise * e_omega)
+
+
+def _in_steps(value: float, step: float) -> float:
+    return step * round(value / step) if step > 0.0 else value
 
 
 def _is_interval(value: object) -> bool:

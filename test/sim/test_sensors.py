@@ -209,3 +209,24 @@ def test_fixed_errors_of_odometry_are_covered_by_what_it_states():
 def test_malformed_intervals_are_refused(intervals):
     with pytest.raises(ValueError, match='pose_dropouts'):
         SensorSettings(pose_dropouts=intervals)
+
+
+@pytest.mark.parametrize('reference', ['drifting', 'absolute'])
+def test_odometry_is_rounded_to_its_steps_and_no_further(reference):
+    """Every coordinate is a multiple, half a step off at most; errors do not add up."""
+    exact = SensorSettings(odometry_reference=reference, odometry_scale=0.02)
+    coarse = dataclasses.replace(exact, odometry_step=0.005, odometry_angle_step=0.02)
+    steps = np.array([0.005, 0.005, 0.02])
+    offsets = []
+    for speed in np.linspace(0.03, 0.6, 40):
+        twist = Twist(speed, 0.0, 0.9)
+        rounded, plain = (np.array(travelled(each, twist)[0].pose) for each in (coarse, exact))
+        assert np.abs(rounded / steps - np.round(rounded / steps)).max() < 1e-9
+        offsets.append(np.abs(rounded - plain) / steps)
+    assert 0.45 < np.max(offsets) <= 0.5 + 1e-9
+
+
+def test_steps_of_odometry_leave_its_velocity_alone():
+    settings = SensorSettings(odometry_step=0.01, odometry_angle_step=0.1)
+    twist = Twist(0.123, 0.0, 0.77)
+    assert travelled(settings, twist)[0].twist == travelled(SensorSettings(), twist)[0].twist
