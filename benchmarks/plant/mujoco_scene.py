@@ -13,7 +13,7 @@ import mujoco
 import numpy as np
 from push_dynamics.actuation import chord_velocity, limit_command, track_command
 from push_model.geometry import Pose
-from push_model.parameters import PushedObject, RoundRobot
+from push_model.parameters import GRAVITY, PushedObject, RoundRobot
 from push_model.signals import Twist
 
 # MuJoCo defines these in an extension module without type stubs.
@@ -50,6 +50,7 @@ class Engine:
         the object follows its height, one far above keeps its own, and rubs upwards too.
     :param tolerance: of the solver.
     :param iterations: limit on the iterations of the solver.
+    :param gravity: in the axes of the floor, which slopes where it is not vertical [m/s^2].
     """
 
     step: float = 1e-3
@@ -64,6 +65,7 @@ class Engine:
     bumper_mass: float = 1e-3
     tolerance: float = 1e-8
     iterations: int = 100
+    gravity: tuple[float, float, float] = (0.0, 0.0, -GRAVITY)
 
 
 DEFAULT = Engine()
@@ -122,7 +124,8 @@ def scene_xml(obj: PushedObject, robot: RoundRobot, engine: Engine) -> str:
     return f"""
 <mujoco>
   <option timestep="{engine.step}" cone="{engine.cone}" impratio="{engine.impratio}"
-          tolerance="{engine.tolerance}" iterations="{engine.iterations}" gravity="0 0 -9.81"/>
+          tolerance="{engine.tolerance}" iterations="{engine.iterations}"
+          gravity="{xml(*engine.gravity)}"/>
   <default><geom contype="0" conaffinity="0"/></default>
   <worldbody>
     <geom name="floor" type="plane" size="9 9 1"/>
@@ -131,7 +134,7 @@ def scene_xml(obj: PushedObject, robot: RoundRobot, engine: Engine) -> str:
       <inertial pos="{center}" mass="{obj.mass}" diaginertia="{inertia}"/>
       <geom name="outline" {outline_geom(obj)}/>{feet}
     </body>
-    <body name="robot">
+    <body name="robot" gravcomp="1">
       <inertial pos="0 0 0" mass="{BASE_MASS}" diaginertia="{xml(*3 * [BASE_MASS])}"/>
       <joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 1 0"/>
       <joint type="hinge" axis="0 0 1"/>

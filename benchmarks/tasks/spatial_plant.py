@@ -1,11 +1,12 @@
 """The plant of a task in MuJoCo: bodies in space, soft contacts, loads that shift with heights."""
 
 import dataclasses
-from typing import Any
+import math
+from typing import Any, ClassVar
 
-from benchmarks.plant.mujoco_scene import BASE_MASS, DEFAULT, MujocoPlant
+from benchmarks.plant.mujoco_scene import BASE_MASS, DEFAULT, Engine, MujocoPlant
 from push_model.geometry import Pose
-from push_model.parameters import PushedObject, RoundRobot
+from push_model.parameters import GRAVITY, PushedObject, RoundRobot
 from push_model.signals import Twist
 from push_sim_node.plant import IMMEDIATE_DRIVE, Plant
 
@@ -13,6 +14,9 @@ from push_sim_node.plant import IMMEDIATE_DRIVE, Plant
 # which is round here: on the default pyramid friction depends on the direction in the world. The
 # bumper keeps its height.
 ENGINE = dataclasses.replace(DEFAULT, cone='elliptic', bumper_mass=BASE_MASS)
+# Friction of the feet on slopes, stiffer than by default, where an object at rest creeps downhill by
+# 0.15 mm/s; chosen: two steps, the least that MuJoCo allows.
+HOLDING_FRICTION = 0.002, 1.0
 
 
 class SpatialPlant(Plant):
@@ -26,10 +30,12 @@ class SpatialPlant(Plant):
     :param options: of ``Plant``, without meaning here.
     """
 
+    engine: ClassVar[Engine] = ENGINE
+
     def __init__(self, obj: PushedObject, robot: RoundRobot, object_pose: Pose, robot_pose: Pose,
                  *options: Any, **more_options: Any) -> None:
         super().__init__(obj, robot, object_pose, robot_pose, *options, **more_options)
-        self._engine = MujocoPlant(obj, robot, object_pose, self.robot_pose, ENGINE)
+        self._engine = MujocoPlant(obj, robot, object_pose, self.robot_pose, self.engine)
         if self._imperfect_drive is not None:
             self._engine.drive = IMMEDIATE_DRIVE
 
@@ -54,3 +60,27 @@ class SpatialPlant(Plant):
         """Return the force of the object on the robot in the last step, own axes [N]."""
         x, y = Pose(0.0, 0.0, -self.robot_pose.theta).rotate(self._engine.force_on_robot)
         return float(x), float(y)
+
+
+def spatial_plant(angle: float = 0.0, direction: float = 0.0) -> type[SpatialPlant]:
+    """
+    Return the class of plants on a floor that slopes.
+
+    Poses are those in the plane of the floor.
+
+    :param angle: of the slope [rad].
+    :param direction: of the descent, in the world [rad].
+    """
+    if angle == 0.0:
+        return SpatialPlant
+    along = GRAVITY * math.sin(angle)
+    gravity = (along * math.cos(direction), along * math.sin(direction),
+               -GRAVITY * math.cos(angle))
+
+    class SlopedPlant(SpatialPlant):
+        """A ``SpatialPlant`` on that floor."""
+
+        engine: ClassVar[Engine] = dataclasses.replace(
+            ENGINE, gravity=gravity, floor_friction=HOLDING_FRICTION)
+
+    return SlopedPlant
