@@ -4,8 +4,8 @@ from typing import Any, Callable, NamedTuple, Optional, Sequence
 
 from benchmarks.controller.tables import Pair, table, wilson
 from benchmarks.tasks.cases import (
-    CREEPING, DISTURBED, FLATS, FRICTIONLESS, IN_MAPS, OPEN, PARTS, SLIPPERY, SPATIAL, STRICT,
-    STRICT_TOLERANCES, TAG, WHEELS,
+    CREEPING, DISTURBED, FLATS, FRICTIONLESS, IN_MAPS, OPEN, PARTS, SLIPPERY, SLOPES, SPATIAL,
+    STRICT, STRICT_TOLERANCES, TAG, WHEELS,
 )
 from benchmarks.tasks.groups import drive, Group, grouped, variety
 import numpy as np
@@ -13,7 +13,8 @@ from push_model.geometry import FloatArray
 
 # Least success [%] of each part.
 SUCCESS_AIMS = {OPEN: 99.9, SLIPPERY: 99.0, CREEPING: 99.0, FRICTIONLESS: 97.0, DISTURBED: 99.5,
-                WHEELS: 99.0, TAG: 95.0, SPATIAL: 99.0, IN_MAPS: 98.0, FLATS: 97.0}
+                WHEELS: 99.0, TAG: 95.0, SPATIAL: 99.0, SLOPES: 99.0, IN_MAPS: 98.0,
+                FLATS: 97.0}
 # What is special about the tasks of a part.
 TITLES = {OPEN: 'open floor: at rest within 10 mm and 1 deg',
           SLIPPERY: 'slippery: contact friction 0.15 to 0.3 where 0.5 is believed',
@@ -23,6 +24,7 @@ TITLES = {OPEN: 'open floor: at rest within 10 mm and 1 deg',
           WHEELS: 'wheels: yaw scale 2 %, and drift',
           TAG: 'poses as from a tag, within 20 mm and 2 deg',
           SPATIAL: 'MuJoCo in place of the plant: soft contacts, pushed 0.08 m above the floor',
+          SLOPES: 'MuJoCo, on slopes of up to 4 deg',
           IN_MAPS: 'in maps', FLATS: 'flats of three rooms and a hallway'}
 # Longest median and 95 % quantile of the time on open floor for each drive [s].
 TIME_AIMS = {'differential': (28.0, 42.0), 'holonomic': (23.0, 38.0)}

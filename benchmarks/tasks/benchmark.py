@@ -2,7 +2,7 @@
 Benchmark of tasks: how many random goals are reached, how soon, with how many pushes.
 
 Tasks on open floor, in maps, disturbed, and variations of those on open floor (see ``cases.py``).
-Takes hours on two cores, ``--quick`` some minutes. Records are
+Tasks with a bad base run three times (see ``bases.py``). Takes hours on two cores, ``--quick`` some minutes. Records are
 stored in ``--records`` as tasks finish, and the same command resumes after Ctrl-C. ``--seed`` runs
 one task and prints what happened.
 """
@@ -13,8 +13,10 @@ from pathlib import Path
 import sys
 
 from benchmarks.controller.tables import Job, Record
+from benchmarks.tasks.bases import BAD_BASES, compared_jobs, LEARNED, TREATMENTS
 from benchmarks.tasks.cases import (
-    draw, FLATS, IN_MAPS, jobs, KINDS, OPEN, PARTS, STRICT,
+    BASE_PARTS, BASES, draw, FLATS, IN_MAPS, jobs, KINDS, OPEN, PARTS, SLOPES, SPATIAL_BASES,
+    STRICT,
 )
 from benchmarks.tasks.picture import picture
 from benchmarks.tasks.reference import refer
@@ -25,11 +27,13 @@ from push_scenario.parallel import ERROR, JobFunction, progress_bar, run_many
 
 DESCRIPTION = 'Benchmark of tasks: how many random goals are reached, how soon.'
 # Number of tasks of each part; those that are not here have 200. Strict: as many for each of two
-# tolerances.
-COUNTS = {OPEN: 1000, STRICT: 400, FLATS: 100}
+# tolerances. Bad bases: twenty with each.
+COUNTS = {OPEN: 1000, STRICT: 400, FLATS: 100, BASES: 20 * len(BAD_BASES),
+          SPATIAL_BASES: 20 * len(BAD_BASES), SLOPES: 16}
 OTHER_COUNT = 200
-# With ``--quick``: on open floor one of each kind; few in maps, where planning takes long.
-QUICK_COUNTS = {OPEN: 7, IN_MAPS: 2, FLATS: 2}
+# With ``--quick``: on open floor one of each kind; of bad bases one each; few in maps, where planning takes long.
+QUICK_COUNTS = {OPEN: 7, IN_MAPS: 2, FLATS: 2, BASES: len(BAD_BASES),
+                SPATIAL_BASES: len(BAD_BASES)}
 OTHER_QUICK_COUNT = 4
 # Exit status after Ctrl-C: 128 + SIGINT, the convention of shells.
 INTERRUPTED = 130
@@ -49,6 +53,8 @@ def options() -> argparse.Namespace:
     parser.add_argument('--workers', type=int, help='processes; default: one per core')
     parser.add_argument('--seed', type=int,
                         help='run this task of the part only, and print what happens')
+    parser.add_argument('--base', choices=TREATMENTS, default=LEARNED,
+                        help='how such a task treats a bad base; default: %(default)s')
     chosen = parser.parse_args()
     chosen.counts = {part: count for part, count in chosen.parts or [] if count is not None}
     if chosen.parts is not None:
@@ -110,6 +116,8 @@ def measure(chosen: argparse.Namespace) -> tuple[list[Job], list[Record]]:
     all_records: list[Record] = []
     for part in chosen.parts:
         tasks = jobs(part, count_of(chosen, part), [chosen.kind] if chosen.kind else [])
+        if part in BASE_PARTS:
+            tasks += compared_jobs(tasks)
         references: list[Record] = [{} for _ in tasks]
         if part == OPEN:
             references = run_jobs(chosen, refer, f'{part}, reference', tasks)
@@ -122,7 +130,8 @@ def measure(chosen: argparse.Namespace) -> tuple[list[Job], list[Record]]:
 def one(chosen: argparse.Namespace) -> None:
     """Run one task and print what happened; write it as a scenario."""
     part = chosen.parts[0]
-    job: Job = {'part': part, 'kind': chosen.kind or KINDS[part][0], 'seed': chosen.seed}
+    job: Job = {'part': part, 'kind': chosen.kind or KINDS[part][0], 'seed': chosen.seed,
+                'base': chosen.base}
     case = draw(**job)
     result, clock = run_case(case)
     print(', '.join(f'{name} {value}' for name, value in job.items()))

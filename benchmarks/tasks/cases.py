@@ -12,6 +12,9 @@ from typing import Any, Callable, NamedTuple, Optional, Sequence
 
 from benchmarks.controller.cases import objects, SENSORS, STRESSES
 from benchmarks.controller.tables import Job
+from benchmarks.tasks.bases import (
+    BAD_BASES, bad_base, base_jobs, GOOD, LEARNED, NOT_LEARNED, STRIDE,
+)
 from benchmarks.tasks.intervention import Disturbance, Intervention
 from benchmarks.tasks.maps import (
     draw_floor, FLAT, Floor, inner_reach, MAPS, places, places_in_flat, reach,
@@ -26,7 +29,6 @@ from push_planner.settings import PlannerSettings
 from push_scenario.definition.placement import Placement
 from push_scenario.definition.scenario import Scenario, Start
 from push_scenario.definition.task import Task
-from push_sim_node.drive_imperfections import DriveImperfections, SpeedFactor
 from push_sim_node.sensors import SensorSettings
 from push_sim_node.simulation import SimulationSettings
 
@@ -44,14 +46,18 @@ FLATS = 'flats'
 SPATIAL = 'spatial'
 BASES = 'bases'
 SPATIAL_BASES = 'spatial bases'
+SLOPES = 'slopes'
 # The order enters the seeds of the draws: append only.
 PARTS = (OPEN, IN_MAPS, DISTURBED, SLIPPERY, CREEPING, FRICTIONLESS, WHEELS, TAG, STRICT,
-         INFORMED, FLATS, SPATIAL, BASES, SPATIAL_BASES)
+         INFORMED, FLATS, SPATIAL, BASES, SPATIAL_BASES, SLOPES)
+# Parts whose base does not do what it is told.
+BASE_PARTS = (BASES, SPATIAL_BASES)
 ROBOTS = {'differential': 'disc_017', 'holonomic': 'holonomic_017'}
 OBJECTS = ('box_04', 'carton', 'coffee_table', 'bin')
 # A table that is 0.9 m long cannot be rotated between the walls, and the other engine has only
 # boxes and cylinders; a differential drive cannot hold its contact on a round side.
-FITTING = {part: ('box_04', 'carton', 'bin') for part in (IN_MAPS, FLATS, SPATIAL, SPATIAL_BASES)}
+FITTING = {part: ('box_04', 'carton', 'bin')
+           for part in (IN_MAPS, FLATS, SPATIAL, SPATIAL_BASES, SLOPES)}
 KINDS = {part: tuple(f'{name}, {drive}' for name in FITTING.get(part, OBJECTS) for drive in ROBOTS
                      if (name, drive) != ('bin', 'differential'))
          for part in PARTS}
@@ -91,27 +97,8 @@ TAG_SUPERVISION = {'moved_distance': 0.1, 'moved_angle': 0.15}
 # True heights of contact and mass centre where 0 is believed [m]; chosen: a bumper, and half the
 # height of a box.
 HEIGHTS = {'contact_height': 0.08, 'center_of_mass_height': 0.15}
-# Bases that do not do what they are told, of which nothing is stated: true values of the robot,
-# and faults of its drive. Set for tasks.
-BAD_BASES: dict[str, tuple[dict[str, float], DriveImperfections]] = {
-    'wheels from 0.05 m/s on': ({'min_speed': 0.05, 'min_yaw_rate': 0.1}, DriveImperfections()),
-    'wheels from 0.08 m/s on': ({'min_speed': 0.08, 'min_yaw_rate': 0.15}, DriveImperfections()),
-    'the same behind the lag': ({}, DriveImperfections(output_min_speed=0.08,
-                                                       output_min_yaw_rate=0.15)),
-    '0.02 m/s, 0.1 s late': ({'min_speed': 0.02, 'dead_time': 0.1}, DriveImperfections()),
-    '0.3 s late': ({'dead_time': 0.3}, DriveImperfections()),
-    'steps of 0.01 m/s': ({'speed_step': 0.01}, DriveImperfections()),
-    'stiction 1.3': ({'min_speed': 0.05, 'min_yaw_rate': 0.1},
-                     DriveImperfections(start_ratio=1.3)),
-    'sag by a fifth': ({}, DriveImperfections(sag=0.2)),
-    'smoother of 0.3 m/s^2': ({}, DriveImperfections(smoother_acceleration=0.3,
-                                                     smoother_yaw_acceleration=2.0)),
-    'half speed for 5 s': ({}, DriveImperfections(speed_factors=(SpeedFactor(6.0, 11.0, 0.5),))),
-    'creep of 8 % at 15 N': ({}, DriveImperfections(wheel_creep=0.08 / 15.0)),
-    'one wheel 10 % slow': ({}, DriveImperfections(left_wheel_factor=0.9)),
-    'spinning beyond 10 N': ({'max_push_force': 10.0}, DriveImperfections()),
-    'spinning beyond 20 N': ({'max_push_force': 20.0}, DriveImperfections()),
-    'spinning beyond 30 N': ({'max_push_force': 30.0}, DriveImperfections())}
+# Slope of the floor [rad]: set for tasks; steeper floors let objects with little friction go.
+MAX_SLOPE = math.radians(4.0)
 # Noise of the place of a robot that knows where it is [m, rad]: as good as none, but above 0.
 INFORMED_NOISE = 1e-4
 
@@ -147,6 +134,7 @@ class Case(NamedTuple):
     :param intervention: ``Intervention`` that disturbs it, or None.
     :param tolerance: ``Tolerance`` by which it is judged.
     :param is_spatial: whether MuJoCo moves object and robot, and not the plant.
+    :param slope: of the floor (angle, direction of descent in the world) [rad]; in MuJoCo only.
     """
 
     scenario: Scenario
@@ -155,6 +143,7 @@ class Case(NamedTuple):
     intervention: Optional[Intervention] = None
     tolerance: Tolerance = Tolerance()
     is_spatial: bool = False
+    slope: tuple[float, float] = (0.0, 0.0)
 
 
 def jobs(part: str, count: int, kinds: Sequence[str] = ()) -> list[Job]:
@@ -167,17 +156,20 @@ def jobs(part: str, count: int, kinds: Sequence[str] = ()) -> list[Job]:
     :return: keyword arguments of ``draw``.
     """
     kinds = kinds or KINDS[part]
+    if part in BASE_PARTS:
+        return base_jobs(part, count, kinds)
     return [{'part': part, 'kind': kinds[index % len(kinds)], 'seed': index // len(kinds)}
             for index in range(count)]
 
 
-def draw(part: str, kind: str, seed: int) -> Case:
+def draw(part: str, kind: str, seed: int, base: str = LEARNED) -> Case:
     """
     Draw a task.
 
     :param part: one of ``PARTS``.
     :param kind: one of the ``KINDS`` of this part.
     :param seed: of all draws.
+    :param base: one of ``TREATMENTS`` of a base, of ``BASE_PARTS`` only.
     :return: ``Case``.
     """
     if part in (OPEN, IN_MAPS, FLATS, DISTURBED):
@@ -187,6 +179,12 @@ def draw(part: str, kind: str, seed: int) -> Case:
         # Every task comes once with each tolerance.
         number, index = divmod(seed, len(STRICT_TOLERANCES))
         case = _strict(_draw(OPEN, kind, number), STRICT_TOLERANCES[index])
+    elif part in BASE_PARTS:
+        # Every task comes once with each base.
+        number, index = divmod(seed, STRIDE)
+        case = _draw(OPEN, kind, number)
+        case = _spatial(case, rng) if part == SPATIAL_BASES else case
+        case = _with_base(case, list(BAD_BASES)[index], base, rng)
     else:
         case = VARIATIONS[part](_draw(OPEN, kind, seed), rng)
     return case._replace(scenario=dataclasses.replace(
@@ -331,19 +329,24 @@ def _spatial(case: Case, _: np.random.Generator) -> Case:
         scenario, true_object=dataclasses.replace(scenario.true_object, **HEIGHTS)))
 
 
-def _bad_base(case: Case, _: np.random.Generator) -> Case:
-    """Give the robot a base that does not do what it is told, another one for each seed."""
-    scenario = case.scenario
-    variety = list(BAD_BASES)[scenario.simulation.seed % len(BAD_BASES)]
-    fields, faults = BAD_BASES[variety]
-    true_robot: Any = dataclasses.replace(scenario.true_robot, **fields)
+def _slopes(case: Case, rng: np.random.Generator) -> Case:
+    """Tilt the floor."""
+    angle, direction = rng.uniform((0.0, -math.pi), (MAX_SLOPE, math.pi)).tolist()
+    return _spatial(case, rng)._replace(slope=(angle, direction))
+
+
+def _with_base(case: Case, variety: str, base: str, rng: np.random.Generator) -> Case:
+    """Give the robot a base that does not do what it is told, unless a good one is asked for."""
+    if base == GOOD:
+        return case._replace(variety=GOOD)
+    scenario, bad = case.scenario, bad_base(variety, rng)
+    true_fields: dict[str, Any] = dict(bad.robot)
+    case = _with_sensors(case, **bad.sensors)
     return case._replace(variety=variety, scenario=dataclasses.replace(
-        scenario, true_robot=true_robot,
-        simulation=dataclasses.replace(scenario.simulation, drive=faults)))
-
-
-def _spatial_bad_base(case: Case, rng: np.random.Generator) -> Case:
-    return _bad_base(_spatial(case, rng), rng)
+        case.scenario,
+        robot=dataclasses.replace(scenario.robot, identify_base=base != NOT_LEARNED),
+        true_robot=dataclasses.replace(scenario.true_robot, **true_fields),
+        simulation=dataclasses.replace(scenario.simulation, drive=bad.drive)))
 
 
 def _informed(case: Case, _: np.random.Generator) -> Case:
@@ -363,5 +366,4 @@ def _strict(case: Case, tolerance: Tolerance) -> Case:
 
 VARIATIONS: dict[str, Callable[[Case, np.random.Generator], Case]] = {
     SLIPPERY: _slippery, CREEPING: _creeping, FRICTIONLESS: _frictionless, WHEELS: _wheels,
-    TAG: _tag, INFORMED: _informed, SPATIAL: _spatial, BASES: _bad_base,
-    SPATIAL_BASES: _spatial_bad_base}
+    TAG: _tag, INFORMED: _informed, SPATIAL: _spatial, SLOPES: _slopes}

@@ -136,12 +136,15 @@ def faults_of(_: Job, record: Record) -> list[str]:
     """
     Name the classes of a failure: the supervisor's reason without its numbers, and collisions.
 
+    An object that is too heavy, and called so, is none.
+
     :param record: of the task.
     :return: list of texts, empty where all went well.
     """
     found = [f'{body} collides' for body in ('robot', 'object')
              if record.get(f'{body}_clearance', 0.0) < 0.0]
-    if record['success']:
+    is_told_heavy = record.get('is_too_heavy') and record.get('called_too_heavy')
+    if record['success'] or is_told_heavy:
         return found
     if is_falsely_done(record):
         return [*found, FALSELY_DONE]

@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import Any, Sequence
 
 from benchmarks.controller.tables import Job, Pair, Record, TO_DEGREES, wilson
+from benchmarks.tasks.bases import LEARNED, treatment
 from benchmarks.tasks.cases import OPEN, PARTS, Tolerance
 from benchmarks.tasks.groups import drive, Group, grouped, grouped_parts
 import numpy as np
@@ -21,7 +22,8 @@ def picture(path: Path, jobs: Sequence[Job], records: Sequence[Record]) -> None:
     :param records: likewise.
     """
     from matplotlib.figure import Figure
-    pairs = list(zip(jobs, records))
+    pairs = [(job, record) for job, record in zip(jobs, records)
+             if treatment(job) == LEARNED and not record.get('is_too_heavy')]
     figure = Figure(figsize=(12, 8.5), layout='constrained')
     (times, errors), (success, spans) = figure.subplots(2, 2)
     _draw_open_floor(times, errors, pairs)

@@ -6,7 +6,11 @@ from typing import Sequence
 from benchmarks.controller.tables import Job, Pair, Record
 from benchmarks.report_template import fill_template
 from benchmarks.tasks.aims import aim_table
-from benchmarks.tasks.cases import DISTURBED, IN_MAPS, OPEN, PARTS, STRICT, WHEELS
+from benchmarks.tasks.base_tables import base_table, weight_table
+from benchmarks.tasks.bases import LEARNED, treatment
+from benchmarks.tasks.cases import (
+    BASE_PARTS, BASES, DISTURBED, IN_MAPS, OPEN, PARTS, SPATIAL_BASES, STRICT, WHEELS,
+)
 from benchmarks.tasks.groups import (
     Group, grouped_parts, kind, variety, with_informed_times,
 )
@@ -18,18 +22,20 @@ from benchmarks.tasks.tables import (
 TEXT = Path(__file__).with_name('tasks.md.in')
 NOT_MEASURED = 'Not measured in this run.'
 # Variations of the tasks on open floor.
-VARIED = tuple(part for part in PARTS if part not in (OPEN, IN_MAPS, DISTURBED))
+VARIED = tuple(part for part in PARTS
+               if part not in (OPEN, IN_MAPS, DISTURBED, *BASE_PARTS))
 
 
 def text(jobs: Sequence[Job], records: Sequence[Record]) -> str:
     """
     Fill the template.
 
-    :param jobs: dicts of ``part``, ``kind`` and ``seed``.
+    :param jobs: keyword arguments of ``benchmarks.tasks.cases.draw``.
     :param records: what ``benchmarks.tasks.run.run`` returned for them, those on open floor with
         what ``benchmarks.tasks.reference.refer`` returned.
     """
-    pairs = with_informed_times(list(zip(jobs, records)))
+    all_pairs = list(zip(jobs, records))
+    pairs = with_informed_times([pair for pair in all_pairs if treatment(pair[0]) == LEARNED])
     everything = grouped_parts(pairs, PARTS)
     kinds = grouped_parts(pairs, (OPEN,), kind)
     mapped = grouped_parts(pairs, (IN_MAPS,), variety)
@@ -44,11 +50,18 @@ def text(jobs: Sequence[Job], records: Sequence[Record]) -> str:
         MAPS=success_table(mapped) if mapped else NOT_MEASURED,
         CLEARANCES=collision_table(mapped) if mapped else NOT_MEASURED,
         DISTURBED=success_table(disturbed) if disturbed else NOT_MEASURED,
+        BASES=_bases(all_pairs, BASES), SPATIALBASES=_bases(all_pairs, SPATIAL_BASES),
         FAILURES=failure_table(pairs), RECOVERIES=recovery_table(pairs))
 
 
 def _counts(groups: Sequence[Group]) -> str:
     return ', '.join({group.part: f'{len(group.tasks)} {group.part}' for group in groups}.values())
+
+
+def _bases(pairs: Sequence[Pair], part: str) -> str:
+    if not any(job['part'] == part for job, _ in pairs):
+        return NOT_MEASURED
+    return f'{base_table(pairs, part)}\n\n{weight_table(pairs, part)}'
 
 
 def _varied(pairs: Sequence[Pair]) -> str:

@@ -9,6 +9,7 @@ from benchmarks.controller.tables import Job, Record
 from benchmarks.tasks.cases import Case, draw, Tolerance
 from benchmarks.tasks.intervention import Intervention
 from benchmarks.tasks.maps import Floor, object_clearance, robot_clearance
+from benchmarks.tasks.weight import weight_record
 from push_control.task.status import SupervisorStatus, TaskState
 from push_control.task.supervisor import Supervisor
 from push_model.plan_request import PlanRequest
@@ -60,7 +61,7 @@ def run(job: Job) -> Record:
     """
     Run one task.
 
-    :param job: dict of ``part``, ``kind`` and ``seed``.
+    :param job: keyword arguments of ``draw``.
     :return: flat dict of numbers and texts.
     :raises RuntimeError: where the run has no status of a supervisor.
     """
@@ -74,7 +75,8 @@ def run(job: Job) -> Record:
         'variety': case.variety, 'outcome': result.outcome.value, 'reason': result.reason,
         'pushes': result.status.pushes, 'recoveries': result.status.recoveries,
         'planning': ' '.join(f'{value:.4f}' for value in clock.planning), 'cpu': cpu,
-        **_end(result, case.tolerance), **_state_times(result.status, result.duration)}
+        **_end(result, case.tolerance), **weight_record(result),
+        **_state_times(result.status, result.duration)}
     corrections = correcting_pushes(result.status.history, result.duration, _tape(result),
                                     case.scenario.final_goal)
     record['corrections'] = corrections.pushes
@@ -103,8 +105,8 @@ def _plant_type(case: Case) -> type[Plant]:
     if not case.is_spatial:
         return Plant
     # Imported here, as it comes with an extra.
-    from benchmarks.tasks.spatial_plant import SpatialPlant
-    return SpatialPlant
+    from benchmarks.tasks.spatial_plant import spatial_plant
+    return spatial_plant(*case.slope)
 
 
 def disturbed(case: Case) -> Scenario:

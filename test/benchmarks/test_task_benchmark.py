@@ -6,10 +6,13 @@ from types import SimpleNamespace
 
 from benchmarks.controller.tables import ALL
 from benchmarks.tasks.aims import aim_table, aims
+from benchmarks.tasks.bases import (
+    BAD_BASES, compared_jobs, DRAWN, GOOD, NOT_LEARNED, task_key, treatment,
+)
 from benchmarks.tasks.bound import contact_path_bound, gap, least_time
 from benchmarks.tasks.cases import (
-    BAD_BASES, BASES, CREEPING, DISTURBED, draw, FRICTIONLESS, IN_MAPS, INFORMED, jobs, KINDS,
-    OPEN, PARTS, SLIPPERY, SPATIAL, SPATIAL_BASES, STRICT, TAG, Tolerance, WHEELS,
+    BASE_PARTS, BASES, CREEPING, DISTURBED, draw, FRICTIONLESS, IN_MAPS, INFORMED, jobs, KINDS,
+    MAX_SLOPE, OPEN, PARTS, SLIPPERY, SLOPES, SPATIAL, STRICT, TAG, Tolerance, WHEELS,
 )
 from benchmarks.tasks.groups import (
     faults_of, grouped, grouped_parts, kind, with_informed_times, without_numbers,
@@ -119,7 +122,9 @@ def test_a_task_is_drawn_from_its_seed_alone(part):
         assert math.dist(case.scenario.robot_start[:2], case.scenario.start.object.pose[:2]) <= 2.0
         assert 0.0 < least_time(case.scenario) < case.scenario.time_limit
     assert len(drawn) == 3 * len(KINDS[part])
-    varieties = {IN_MAPS: 3, DISTURBED: 2, WHEELS: 2, STRICT: 2, BASES: 3, SPATIAL_BASES: 3}
+    varieties = {IN_MAPS: 3, DISTURBED: 2, WHEELS: 2, STRICT: 2}
+    if part in BASE_PARTS:
+        varieties[part] = min(len(BAD_BASES), 3 * len(KINDS[part]))
     assert len({case.variety for case in drawn.values()}) == varieties.get(part, 1)
 
 
@@ -147,16 +152,74 @@ def test_a_variation_changes_one_thing_of_the_task_on_open_floor():
     assert {scenario.object.contact_friction_coefficient for scenario in slippery} == {0.5}
 
 
-def test_every_bad_base_comes_and_nothing_of_it_is_stated():
-    """Only the true robot and its drive differ from the task on open floor."""
+@pytest.mark.parametrize('part', BASE_PARTS)
+def test_every_bad_base_comes_equally_often_with_the_same_tasks(part):
+    """Also where their number is no multiple; all objects and drives come."""
+    chosen = jobs(part, 8 * len(BAD_BASES) + 3)
+    tasks = {}
+    for job in chosen:
+        tasks.setdefault(draw(**job).variety, []).append(task_key(job))
+    assert list(tasks) == list(BAD_BASES)
+    assert [len(found) for found in tasks.values()] == [9] * 3 + [8] * (len(BAD_BASES) - 3)
+    assert all(found[:8] == tasks[DRAWN] for found in tasks.values())
+    assert {kind for _, kind, _ in tasks[DRAWN]} == set(KINDS[part])
+
+
+def test_nothing_of_a_bad_base_is_stated():
+    """Only its true values, its drive and its odometry differ from the task on open floor."""
     name = KINDS[BASES][0]
-    cases = [draw(BASES, name, seed) for seed in range(len(BAD_BASES))]
-    assert [case.variety for case in cases] == list(BAD_BASES)
-    for seed, case in enumerate(cases):
-        plain, scenario = draw(OPEN, name, seed).scenario, case.scenario
-        assert scenario.robot == plain.robot and scenario.goal == plain.goal
-        assert ((scenario.true_robot, scenario.simulation)
-                != (plain.true_robot, plain.simulation))
+    plain = draw(OPEN, name, 0).scenario
+    for seed in range(len(BAD_BASES)):
+        scenario = draw(BASES, name, seed).scenario
+        different = {field.name for field in dataclasses.fields(plain)
+                     if getattr(plain, field.name) != getattr(scenario, field.name)}
+        assert {'description'} < different
+        assert different <= {'description', 'true_robot', 'simulation', 'sensors'}
+
+
+def test_bad_bases_are_compared_with_the_same_tasks():
+    """Once with nothing learned, where nothing else differs, and once for all with a good base."""
+    learned = jobs(BASES, 2 * len(BAD_BASES))
+    others = compared_jobs(learned)
+    assert len(others) == len(learned) + 2
+    for job, without in zip(learned, others):
+        case, same = draw(**job), draw(**without)
+        assert treatment(without) == NOT_LEARNED and case.variety == same.variety
+        assert case.scenario.robot.identify_base and not same.scenario.robot.identify_base
+        assert same.scenario == dataclasses.replace(case.scenario, robot=same.scenario.robot)
+    for job in others[len(learned):]:
+        good = draw(**job).scenario
+        plain = draw(OPEN, job['kind'], 0).scenario
+        assert treatment(job) == GOOD
+        assert dataclasses.replace(good, description=plain.description) == plain
+        assert task_key(job) in map(task_key, learned)
+
+
+def test_drawn_bases_spread_over_their_ranges():
+    """Before the lag mostly, each task with another one."""
+    robots, limits = [], {'min_speed': [], 'output_min_speed': []}
+    for job in jobs(BASES, 40 * len(BAD_BASES)):
+        case = draw(**job)
+        if case.variety != DRAWN:
+            continue
+        robot, drive = case.scenario.true_robot, case.scenario.simulation.drive
+        robots.append((robot.dead_time, robot.time_constant))
+        assert not (robot.min_speed and drive.output_min_speed)
+        name = 'min_speed' if robot.min_speed else 'output_min_speed'
+        limits[name].append(robot.min_speed or drive.output_min_speed)
+    assert 15 <= len(limits['min_speed']) <= 33
+    low, high = np.min(robots, axis=0), np.max(robots, axis=0)
+    assert low == pytest.approx((0.0, 0.04), abs=0.03)
+    assert high == pytest.approx((0.3, 0.15), abs=0.03) and (high <= (0.3, 0.15)).all()
+    assert max(limits['min_speed'] + limits['output_min_speed']) <= 0.09
+    assert len(set(robots)) == 40
+
+
+def test_slopes_are_drawn_up_to_the_steepest():
+    """In all directions."""
+    slopes = np.array([draw(**job).slope for job in jobs(SLOPES, 40)])
+    assert 0.0 < slopes[:, 0].min() and 0.85 * MAX_SLOPE < slopes[:, 0].max() <= MAX_SLOPE
+    assert len(set(np.sign(np.sin(slopes[:, 1])) + 2.0 * np.sign(np.cos(slopes[:, 1])))) == 4
 
 
 def test_strict_tasks_are_those_of_open_floor_with_each_tolerance():
