@@ -54,6 +54,11 @@ class DriveImperfections:
                                           0.0, 5.0, default=0.0)
     wheel_creep: float = quantity('part of their way that the wheels slip, for each newton that '
                                   'the robot pushes with', '1/N', 0.0, 0.1, default=0.0)
+    yaw_stiffness: float = quantity('moment about the robot that turns it by one radian against '
+                                    'its wheels', 'N m/rad', above=0.0, infinite=True,
+                                    default=INFINITY)
+    play: float = quantity('way that a wheel, or an axis of a holonomic base, loses when it '
+                           'reverses', 'm', 0.0, 0.1, default=0.0)
     robot_mass: float = quantity('mass of the robot, that slows down where its wheels spin', 'kg',
                                  above=0.0, default=4.0)
 

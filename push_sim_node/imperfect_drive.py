@@ -3,7 +3,8 @@ From command to motion of a base that is not ideal, the same for every plant.
 
 A command passes, in this order, the dead time, what scales or smooths commands on the way, the
 step of speeds, the least speed of wheels that turn, the wheels themselves, lag and acceleration
-limits, a least speed behind them, and the floor, on which wheels may slip.
+limits, a least speed behind them, the play of the wheels, and the floor, on which wheels may slip
+and the robot may yaw on its tyres. Odometry counts what turns ahead of the play.
 """
 
 from collections import deque
@@ -23,6 +24,8 @@ TIME_ROUNDING = 1e-9
 # Time over which the force is averaged by which wheels creep [s]; chosen: above the steps of the
 # plants, so that force and creep cannot excite each other, and below that of any motion.
 CREEP_TIME = 0.05
+# Time constant with which a robot yaws on its tyres [s]; chosen likewise.
+YAW_TIME = 0.05
 # Single calls are not worth compiling them.
 track_command = interpreted(actuation.track_command)
 chord_velocity = interpreted(actuation.chord_velocity)
@@ -62,10 +65,14 @@ class ImperfectDrive:
         self._pending: deque[tuple[float, Twist]] = deque()
         self._arrived = self._smoothed = self._velocity = STOP
         # Which wheels, or translation and rotation, turn by their commands; speed by which the
-        # wheels spin [m/s]; force that the wheels creep by [N].
+        # wheels spin, in translation and rotation [m/s]; force that the wheels creep by [N]; angle
+        # by which the robot has yawed on its tyres [rad], and its rate [rad/s].
         self._turns = [False, False]
-        self._spin = 0.0
+        self._spin = self._yaw_spin = 0.0
         self._force = 0.0
+        self._deflection = self._yaw_rate = 0.0
+        # Way of each wheel, or axis, from the backward end of its play [m].
+        self._in_play = [imperfections.play] * 3
         self.odometry_pose = pose
         self.odometry_twist = STOP
 
@@ -77,12 +84,13 @@ class ImperfectDrive:
         """
         self._pending.append((self._time + self._robot.dead_time, twist))
 
-    def step(self, dt: float, force: tuple[float, float]) -> Twist:
+    def step(self, dt: float, force: tuple[float, float], moment: float = 0.0) -> Twist:
         """
         Let the base move.
 
         :param dt: duration, that of a step of the plant [s].
         :param force: of the object on the robot (x, y) in the last step, own axes [N].
+        :param moment: of that force about the centre of the robot [N m].
         :return: mean ``Twist`` of the robot in this step.
         """
         self._time += dt
@@ -94,7 +102,8 @@ class ImperfectDrive:
         self.odometry_pose = Pose(pose.x + v_x * dt, pose.y + v_y * dt,
                                   pose.theta + mean.omega * dt)
         self.odometry_twist = mean
-        return self._on_floor(mean, force, dt)
+        moved = self._on_floor(self._after_play(mean, dt), force, moment, dt)
+        return self._on_tyres(moved, moment, dt)
 
     def _asked_of_drive(self, dt: float) -> Twist:
         """Return what the motors are asked for: the command as it arrives."""
@@ -155,18 +164,58 @@ class ImperfectDrive:
         omega = twist.omega if abs(twist.omega) >= faults.output_min_yaw_rate else 0.0
         return Twist(twist.v_x, twist.v_y, omega) if is_moving else Twist(0.0, 0.0, omega)
 
-    def _on_floor(self, twist: Twist, force: tuple[float, float], dt: float) -> Twist:
+    def _after_play(self, twist: Twist, dt: float) -> Twist:
+        """Let wheels, or axes, go through their play where they reverse."""
+        if self._faults.play == 0.0:
+            return twist
+        track = self._robot.wheel_track
+        if self._robot.drive == 'differential':
+            left, right = wheel_speeds(twist, track)
+            return twist_of_wheels(self._taken_up(0, left, dt), self._taken_up(1, right, dt),
+                                   track)
+        return Twist(self._taken_up(0, twist.v_x, dt), self._taken_up(1, twist.v_y, dt),
+                     self._taken_up(2, 0.5 * track * twist.omega, dt) / (0.5 * track))
+
+    def _taken_up(self, index: int, speed: float, dt: float) -> float:
+        """Return the speed that is passed on, after what the play takes up."""
+        reached = self._in_play[index] + speed * dt
+        self._in_play[index] = min(self._faults.play, max(0.0, reached))
+        return (reached - self._in_play[index]) / dt
+
+    def _on_floor(self, twist: Twist, force: tuple[float, float], moment: float,
+                  dt: float) -> Twist:
         """Let the wheels slip by the force that the robot pushes with."""
-        speed = math.hypot(twist.v_x, twist.v_y)
-        if speed == 0.0:
-            self._spin = 0.0
+        speed, arm = math.hypot(twist.v_x, twist.v_y), 0.5 * self._robot.wheel_track
+        resistance = -(force[0] * twist.v_x + force[1] * twist.v_y) / speed if speed else 0.0
+        self._spin = self._spun(self._spin, speed, resistance, dt)
+        self._yaw_spin = self._spun(self._yaw_spin, arm * abs(twist.omega),
+                                    -math.copysign(1.0, twist.omega) * moment / arm, dt)
+        if speed > 0.0:
+            self._force += min(1.0, dt / CREEP_TIME) * (max(0.0, resistance) - self._force)
+        creep = self._faults.wheel_creep * self._force
+        slip = min(1.0, self._spin / speed + creep) if speed > 0.0 else 0.0
+        yaw_slip = self._yaw_spin / (arm * abs(twist.omega)) if twist.omega else 0.0
+        if slip == yaw_slip == 0.0:
             return twist
-        resistance = -(force[0] * twist.v_x + force[1] * twist.v_y) / speed
-        # Beyond its greatest force the robot slows down with the object, as one mass.
+        return Twist((1.0 - slip) * twist.v_x, (1.0 - slip) * twist.v_y,
+                     (1.0 - yaw_slip) * twist.omega)
+
+    def _spun(self, spin: float, speed: float, resistance: float, dt: float) -> float:
+        """
+        Return the speed by which wheels spin, at most their own.
+
+        Beyond its greatest force the robot slows down with the object, as one mass.
+        """
         excess = resistance - self._robot.max_push_force
-        self._spin = min(speed, max(0.0, self._spin + dt * excess / self._mass))
-        self._force += min(1.0, dt / CREEP_TIME) * (max(0.0, resistance) - self._force)
-        slip = min(1.0, self._spin / speed + self._faults.wheel_creep * self._force)
-        if slip == 0.0:
+        return min(speed, max(0.0, spin + dt * excess / self._mass))
+
+    def _on_tyres(self, twist: Twist, moment: float, dt: float) -> Twist:
+        """Let the robot yaw by the moment of the contact, as by a spring."""
+        if math.isinf(self._faults.yaw_stiffness):
             return twist
-        return Twist((1.0 - slip) * twist.v_x, (1.0 - slip) * twist.v_y, twist.omega)
+        # A spring with inertia, critically damped: without inertia it would yaw so fast that
+        # friction at the contact changes its side at every step.
+        missing = moment / self._faults.yaw_stiffness - self._deflection
+        self._yaw_rate += dt / YAW_TIME * (missing / YAW_TIME - 2.0 * self._yaw_rate)
+        self._deflection += dt * self._yaw_rate
+        return twist._replace(omega=twist.omega + self._yaw_rate)

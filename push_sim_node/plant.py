@@ -185,7 +185,7 @@ class Plant:
         self._imperfect_drive.command(limit_command(self.robot, command))
         count = step_count(duration, self.step)
         for _ in range(count):
-            velocity = self._imperfect_drive.step(duration / count, self._force_on_robot())
+            velocity = self._imperfect_drive.step(duration / count, *self._load_on_robot())
             self._follow(duration / count, velocity)
 
     def _follow(self, duration: float, command: Twist) -> None:
@@ -198,15 +198,16 @@ class Plant:
                 self._forget_acceleration()
         self._kernel.advance(self._world, duration, self.step)
 
-    def _force_on_robot(self) -> tuple[float, float]:
-        """Return the force of the object on the robot in the last step, own axes [N]."""
+    def _load_on_robot(self) -> tuple[tuple[float, float], float]:
+        """Return force, own axes [N], and moment [N m] of the object on the robot in one step."""
         if self._number(layout.NORMAL_FORCE) == 0.0:
-            return 0.0, 0.0
-        truth = self.truth(0.0)
+            return (0.0, 0.0), 0.0
+        truth, pose = self.truth(0.0), self.robot_pose
         c, s = math.cos(truth.normal), math.sin(truth.normal)
         force = s * truth.force_t - c * truth.force_n, -s * truth.force_n - c * truth.force_t
-        x, y = Pose(0.0, 0.0, -self.robot_pose.theta).rotate(force)
-        return float(x), float(y)
+        arm = truth.contact_point[0] - pose.x, truth.contact_point[1] - pose.y
+        x, y = Pose(0.0, 0.0, -pose.theta).rotate(force)
+        return (float(x), float(y)), arm[0] * force[1] - arm[1] * force[0]
 
     @property
     def object_pose(self) -> Pose:

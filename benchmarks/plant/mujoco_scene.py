@@ -236,3 +236,8 @@ class MujocoPlant:
         # Of all constraints only the contact with the object acts on the joints of the robot.
         x, y = self.data.qfrc_constraint[6:8].tolist()
         return x, y
+
+    @property
+    def moment_on_robot(self) -> float:
+        """Moment of the object on the robot about its axis in the last step [N m]."""
+        return float(self.data.qfrc_constraint[8])

@@ -56,10 +56,10 @@ class SpatialPlant(Plant):
         self.stand_at(engine.object_pose, engine.robot_pose)
         self.set_velocities(engine.object_twist, engine.twist)
 
-    def _force_on_robot(self) -> tuple[float, float]:
-        """Return the force of the object on the robot in the last step, own axes [N]."""
+    def _load_on_robot(self) -> tuple[tuple[float, float], float]:
+        """Return force, own axes [N], and moment [N m] of the object on the robot in one step."""
         x, y = Pose(0.0, 0.0, -self.robot_pose.theta).rotate(self._engine.force_on_robot)
-        return float(x), float(y)
+        return (float(x), float(y)), self._engine.moment_on_robot
 
 
 def spatial_plant(angle: float = 0.0, direction: float = 0.0) -> type[SpatialPlant]:

@@ -10,6 +10,7 @@ from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
 from push_model.signals import STOP, Twist
 from push_sim_node.drive_imperfections import DriveImperfections, SpeedFactor
+from push_sim_node.imperfect_drive import ImperfectDrive
 from push_sim_node.plant import Plant
 from push_sim_node.settings import SimulationSettings
 from push_sim_node.simulation import Simulation
@@ -181,6 +182,94 @@ def test_wheels_creep_by_the_force(make):
     expected = 0.2 * (1.0 - 0.005 * 0.3 * 5.0 * 9.81)
     assert np.mean(driven(plant, Twist(0.2, 0.0, 0.0), 0.2)[:, 0]) == pytest.approx(
         expected, rel=0.02)
+
+
+def moved(base, command, seconds, moment=0.0):
+    """Return the mean twist of a base alone over steps of 2 ms, times the seconds."""
+    base.command(command)
+    steps = round(seconds / 0.002)
+    return 0.002 * np.sum([base.step(0.002, (0.0, 0.0), moment) for _ in range(steps)], axis=0)
+
+
+def base_of(drive, **faults):
+    """Return a prompt base alone, whose wheels are 0.2 m apart."""
+    return ImperfectDrive(robot_of(drive, track=0.2, **PROMPT), DriveImperfections(**faults),
+                          Pose(0.0, 0.0, 0.0), 1.0)
+
+
+@pytest.mark.parametrize('drive', DRIVES)
+def test_a_constant_moment_deflects_the_robot_as_a_spring(drive):
+    """By moment over stiffness, at rest or driving; it comes back; odometry does not see it."""
+    base, ideal = base_of(drive, yaw_stiffness=50.0), base_of(drive)
+    for command in (STOP, Twist(0.2, 0.0, 0.3)):
+        for moment, deflection in ((2.0, 0.04), (0.0, -0.04)):
+            expected = moved(ideal, command, 1.0) + (0.0, 0.0, deflection)
+            assert moved(base, command, 1.0, moment) == pytest.approx(expected, abs=1e-6)
+    assert base.odometry_pose == ideal.odometry_pose
+
+
+@plants()
+@pytest.mark.parametrize('faults', [{'yaw_stiffness': math.inf}, {'play': 0.0}])
+def test_infinite_stiffness_and_no_play_are_ideal_to_the_bit(make, faults):
+    """Beside another imperfection, in a push whose contact has a moment; finite ones are not."""
+    def pushed(**values):
+        plant = make_plant(make, robot_of('differential', **PROMPT), DriveImperfections(
+            wheel_creep=1e-3, **values), obj=box(mass=5.0), object_pose=Pose(0.38, 0.06, 0.3))
+        return driven(plant, lambda t: Twist(0.2, 0.0, 2.5 * math.cos(9.0 * t)), 1.5)
+
+    ideal = pushed()
+    assert pushed(**faults).tobytes() == ideal.tobytes()
+    assert np.abs(pushed(yaw_stiffness=1e6) - ideal).max() < 1e-2
+    assert np.abs(pushed(yaw_stiffness=20.0) - ideal)[:, 2].max() > 1e-2
+    assert np.abs(pushed(play=0.005) - ideal).max() > 1e-2
+
+
+def test_the_robot_yaws_by_the_moment_that_the_contact_has():
+    """Friction at the limit, as it slides along the object; the odometry does not see it."""
+    obj, stiffness = box(mass=5.0), 30.0
+    plant = make_plant(Plant, robot_of('holonomic', **PROMPT),
+                       DriveImperfections(yaw_stiffness=stiffness), obj=obj,
+                       object_pose=Pose(0.371, 0.0, 0.0))
+    driven(plant, Twist(0.1, 0.0, 0.0), 0.5)
+    driven(plant, Twist(0.1, 0.15, 0.0), 0.5)
+    truth = plant.truth(0.0)
+    expected = -0.17 * obj.contact_friction_coefficient * truth.force_n / stiffness
+    assert truth.force_n > 10.0 and plant.odometry_pose.theta == 0.0
+    assert plant.robot_pose.theta == pytest.approx(expected, rel=0.02)
+
+
+@pytest.mark.parametrize('drive, axes', [('differential', (0,)), ('differential', (2,)),
+                                         ('holonomic', (0,)), ('holonomic', (1,)),
+                                         ('holonomic', (2,))])
+def test_wheels_lose_their_play_at_every_reversal(drive, axes):
+    """Exactly, and nothing while they go on, rest between, or move within the play."""
+    base, ideal = base_of(drive, play=0.004), base_of(drive)
+    speed = np.zeros(3)
+    speed[list(axes)] = 0.2
+    play = 0.004 / (0.1 if axes == (2,) else 1.0)
+    lost = np.zeros(3)
+    for sign, losses in ((1.0, 0.0), (0.0, 0.0), (1.0, 0.0), (-1.0, 1.0), (0.0, 0.0), (-1.0, 0.0),
+                         (1.0, 1.0)):
+        command = Twist(*(sign * speed).tolist())
+        ways = moved(ideal, command, 0.3), moved(base, command, 0.3)
+        if drive == 'differential' and axes == (2,) and sign == 1.0 and not lost.any():
+            # One wheel turns back at once.
+            lost += abs(ways[0] - ways[1])
+            assert lost[2] == pytest.approx(0.5 * play, abs=1e-9)
+            continue
+        assert np.abs(ways[0] - ways[1])[list(axes)] == pytest.approx(losses * play, abs=1e-9)
+    assert base.odometry_pose == ideal.odometry_pose
+
+
+def test_wheels_spin_in_rotation_too():
+    """Against a moment above the force at the wheels; below it nothing is lost."""
+    robot = robot_of('differential', track=0.2, max_push_force=20.0, **PROMPT)
+    rotations = []
+    for moment in (0.0, -1.9, -2.5):
+        base = ImperfectDrive(robot, DriveImperfections(), Pose(0.0, 0.0, 0.0), 1.0)
+        rotations.append(moved(base, Twist(0.0, 0.0, 1.0), 1.0, moment)[2])
+        assert base.odometry_pose.theta == pytest.approx(1.0, abs=1e-3)
+    assert rotations[:2] == pytest.approx([1.0, 1.0], abs=1e-3) and abs(rotations[2]) < 0.1
 
 
 def test_odometry_of_a_simulation_counts_wheels():
