@@ -2,9 +2,9 @@
 Benchmark of tasks: how many random goals are reached, how soon, with how many pushes.
 
 Tasks on open floor, in maps, disturbed, and variations of those on open floor (see ``cases.py``).
-Tasks with a bad base run three times (see ``bases.py``). Takes hours on two cores, ``--quick`` some minutes. Records are
-stored in ``--records`` as tasks finish, and the same command resumes after Ctrl-C. ``--seed`` runs
-one task and prints what happened.
+Tasks with a bad base run three times (see ``bases.py``). Takes hours on two cores, ``--quick``
+some minutes. Records are stored in ``--records`` as tasks finish, and the same command resumes
+after Ctrl-C. ``--seed`` runs one task and prints what happened.
 """
 
 import argparse

@@ -14,9 +14,9 @@ from push_sim_node.plant import IMMEDIATE_DRIVE, Plant
 # which is round here: on the default pyramid friction depends on the direction in the world. The
 # bumper keeps its height.
 ENGINE = dataclasses.replace(DEFAULT, cone='elliptic', bumper_mass=BASE_MASS)
-# Friction of the feet on slopes, stiffer than by default, where an object at rest creeps downhill by
-# 0.15 mm/s; chosen: two steps, the least that MuJoCo allows.
-HOLDING_FRICTION = 0.002, 1.0
+# Friction of the feet on slopes. By default an object at rest creeps downhill by 0.15 mm/s; much
+# stiffer feet chatter. Chosen: less than half of the creep that counts as motion.
+HOLDING_FRICTION = 0.006, 1.0
 
 
 class SpatialPlant(Plant):
