@@ -311,7 +311,8 @@ class OdometrySensor:
     def _rounded(self, x: float, y: float, theta: float) -> Pose:
         """Round a pose to the steps of the settings; wrap its heading."""
         step, angle_step = self._settings.odometry_step, self._settings.odometry_angle_step
-        return Pose(_in_steps(x, step), _in_steps(y, step), wrap_angle(_in_steps(theta, angle_step)))
+        return Pose(_in_steps(x, step), _in_steps(y, step),
+                    wrap_angle(_in_steps(theta, angle_step)))
 
     def _biased(self, v_x: float, v_y: float, omega: float) -> tuple[float, float, float]:
         """Add the errors that stay for a run to a twist."""

@@ -31,7 +31,8 @@ DESCRIPTION = 'Benchmark of tasks: how many random goals are reached, how soon.'
 COUNTS = {OPEN: 1000, STRICT: 400, FLATS: 100, BASES: 20 * len(BAD_BASES),
           SPATIAL_BASES: 20 * len(BAD_BASES), SLOPES: 16}
 OTHER_COUNT = 200
-# With ``--quick``: on open floor one of each kind; of bad bases one each; few in maps, where planning takes long.
+# With ``--quick``: on open floor one of each kind; of bad bases one each; few in maps, where
+# planning takes long.
 QUICK_COUNTS = {OPEN: 7, IN_MAPS: 2, FLATS: 2, BASES: len(BAD_BASES),
                 SPATIAL_BASES: len(BAD_BASES)}
 OTHER_QUICK_COUNT = 4

@@ -13,7 +13,7 @@ from typing import Any, Callable, NamedTuple, Optional, Sequence
 from benchmarks.controller.cases import objects, SENSORS, STRESSES
 from benchmarks.controller.tables import Job
 from benchmarks.tasks.bases import (
-    BAD_BASES, bad_base, base_jobs, GOOD, LEARNED, NOT_LEARNED, STRIDE,
+    bad_base, BAD_BASES, base_jobs, GOOD, LEARNED, NOT_LEARNED, STRIDE,
 )
 from benchmarks.tasks.intervention import Disturbance, Intervention
 from benchmarks.tasks.maps import (
