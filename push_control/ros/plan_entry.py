@@ -120,7 +120,7 @@ class PlanEntry:
             plan = from_plan_message(message, self._frame)
             ends = self._supervisor.expected_ends(request)
             check_plan(plan, ExpectedPush(self.parameters.object, self.parameters.robot,
-                                          *ends, self._floor.occupancy_map))
+                                          ends, self._floor.occupancy_map))
         except ValueError as error:
             self._supervisor.on_plan_refused(PlanFailure.INVALID_PLAN.value)
             raise self._requester.refusal(error) from error

@@ -10,7 +10,7 @@ from push_control.behaviors.progress import ProgressMonitor
 from push_control.goal import TaskFailure, TaskGoal
 from push_control.perception.object_at_rest import has_moved
 from push_control.settings import ControlSettings
-from push_control.steered.plan_check import Place
+from push_control.steered.plan_check import ExpectedEnds, Place
 from push_control.supervision_settings import aimed_tolerances, SupervisionSettings
 from push_control.task.execution import TaskExecution
 from push_control.task.status import TaskState
@@ -118,12 +118,11 @@ class Supervisor(TaskExecution):
         """Whether there is a plan that the next start drives."""
         return self.keeps_plan and self._plan is not None
 
-    def expected_ends(self, request: PlanRequest | None) -> tuple[tuple[Place, ...], Place | None]:
+    def expected_ends(self, request: PlanRequest | None) -> ExpectedEnds:
         """
         Tell where a plan has to start, and where it has to end.
 
         :param request: the ``PlanRequest`` that it answers, or None.
-        :return: as of ``ExpectedPush``.
         """
         poses: list[Pose] = []
         if request is not None:
@@ -131,9 +130,10 @@ class Supervisor(TaskExecution):
         if self._perception.has_pose_after(-math.inf):
             poses.append(self._perception.object_pose.pose)
         starts = tuple(Place(pose, *self._behavior.start_limits) for pose in poses)
-        if request is None or not self._behavior.ends_at_goal:
-            return starts, None
-        return starts, Place(request.goal, *request.tolerances)
+        if request is None:
+            return ExpectedEnds(starts)
+        return ExpectedEnds(starts, Place(request.goal, *request.tolerances),
+                            self._behavior.ends_at_goal)
 
     def set_plan(self, trajectory: PushTrajectory) -> None:
         """Set the plan that was requested, wherever the robot stands; ignore any other."""
