@@ -111,9 +111,15 @@ class SinglePush(SteeredPush):
 
     handles_stops = True
 
-    def __init__(self, context: BehaviorContext, target: PushTrajectory) -> None:
-        """Start."""
+    def __init__(self, context: BehaviorContext, target: PushTrajectory,
+                 goal: Pose | None = None) -> None:
+        """
+        Start.
+
+        :param goal: ``Pose`` that was asked for; None for the end of the plan.
+        """
         super().__init__(context, target)
+        self._goal = self._pursued(goal)
         self._next_tolerances = GoalTolerances()
         self._time = 0.0
 
@@ -158,9 +164,17 @@ class SinglePush(SteeredPush):
 
     def take_plan(self, trajectory: PushTrajectory) -> bool:
         """Go on with another plan, from rest where it does not start at this push."""
+        goal = self._goal if self.next_goal is None else self.next_goal.pose
         self._target = trajectory
+        self._goal = self._pursued(goal)
         self.next_goal = self.plan_request = None
         return True
+
+    def _pursued(self, goal: Pose | None) -> Pose:
+        """Return the goal if the plan leads there, else where the plan ends."""
+        end = Pose(*self._target.object_poses[-1].tolist())
+        leads_there = goal is not None and self._context.control.tolerances.contain(end, goal)
+        return goal if goal is not None and leads_there else end
 
     def goes_on_without_plan(self) -> bool:
         """Give another goal up to which there is no plan; return whether there was one."""
@@ -186,7 +200,9 @@ class SinglePush(SteeredPush):
         self.finished = controller.phase is Phase.DONE
         if controller.phase is Phase.FAILED and not controller.replan_requested:
             self.failure = BehaviorFailure.PUSH_FAILED.report(reason=controller.reason)
-        return command
+        elif self._context.occupancy_map is not None:
+            self.failure = self._near_obstacle(controller.status)
+        return command if self.failure is None else STOP
 
     def _needed_plan(self, perception: RawPerception) -> PlanRequest | None:
         """Request a plan to another goal, or from where the push has left its path."""
@@ -197,5 +213,5 @@ class SinglePush(SteeredPush):
             return request_plan(context, observation, self.next_goal.pose, self._next_tolerances)
         if not self._controller.replan_requested:
             return None
-        end = Pose(*self._target.object_poses[-1].tolist())
-        return request_plan(context, observation, end, context.control.tolerances)
+        # Not the end of the last plan: that is off by a tolerance, and so would be the next one.
+        return request_plan(context, observation, self._goal, context.control.tolerances)

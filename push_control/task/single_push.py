@@ -39,7 +39,7 @@ class SinglePushBehaviors(BehaviorFactory):
         if state is TaskState.PLAN and goal is not None:
             return PromptPlan(context, goal)
         if state is TaskState.PUSH and target is not None:
-            return SinglePush(context, target)
+            return SinglePush(context, target, None if goal is None else goal.pose)
         if state is TaskState.RETREAT:
             return Retreat(context, self._drive.retreat_distance)
         return Stand()
