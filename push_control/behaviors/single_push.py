@@ -16,7 +16,6 @@ from push_model.observation import Observation
 from push_model.plan_request import GoalTolerances, PlanRequest
 from push_model.signals import ObjectEstimate, STOP, Twist
 from push_model.trajectory import PushTrajectory
-from push_navigation.occupancy_map import OccupancyMap
 from push_safety.status import SafetyReport
 
 
@@ -136,10 +135,6 @@ class SinglePush(SteeredPush):
         """Go on after a stop of the base."""
         self._controller.resume()
         return True
-
-    def is_blocked(self, occupancy_map: OccupancyMap | None, pose: Pose) -> bool:
-        """Return False: the next plan has to keep to a new map."""
-        return False
 
     @property
     def start_limits(self) -> tuple[float, float]:

@@ -94,8 +94,13 @@ class PlanRequester:
         :return: one sentence.
         """
         count = self._publisher.get_subscription_count()
-        who = 'nobody subscribes' if count == 0 else f'{count} subscribers do not answer'
-        return f'no plan within {timeout:g} s: {who} {self._topic}'
+        if count == 0:
+            who = f'nobody subscribes {self._topic}'
+        elif count == 1:
+            who = f'the subscriber of {self._topic} does not answer'
+        else:
+            who = f'{count} subscribers of {self._topic} do not answer'
+        return f'no plan within {timeout:g} s: {who}'
 
     def request_answered_by(self, message: Any) -> PlanRequest | None:
         """

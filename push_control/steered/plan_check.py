@@ -90,9 +90,9 @@ def check_plan(plan: PushTrajectory, expected: ExpectedPush) -> None:
     if plan.line is not None:
         _check_face(plan.line, expected.obj)
     check_consistency(plan, expected.obj, expected.robot)
-    _check_length(plan, expected)
+    check_length(plan, expected)
     if expected.occupancy_map is not None:
-        _check_map(plan, expected.obj, expected.robot, expected.occupancy_map)
+        check_map(plan, expected.obj, expected.robot, expected.occupancy_map)
 
 
 def _check_ends(plan: PushTrajectory, ends: ExpectedEnds, obj: PushedObject) -> None:
@@ -113,8 +113,12 @@ def _check_ends(plan: PushTrajectory, ends: ExpectedEnds, obj: PushedObject) -> 
                          'm, one size of the object farther than at the start')
 
 
-def _check_length(plan: PushTrajectory, expected: ExpectedPush) -> None:
-    """Refuse a detour that no turn of this object needs."""
+def check_length(plan: PushTrajectory, expected: ExpectedPush) -> None:
+    """
+    Refuse a detour that no turn of this object needs.
+
+    :raises ValueError: naming the length, and what was expected.
+    """
     goal, obj, robot = expected.ends.goal, expected.obj, expected.robot
     end = plan.object_poses[-1] if goal is None else goal.pose
     direct = distance(plan.object_poses[0], end)
@@ -174,9 +178,13 @@ def _check_face(line: PushLine, obj: PushedObject) -> None:
                          f'expected one from 0 to {last}')
 
 
-def _check_map(plan: PushTrajectory, obj: PushedObject, robot: RoundRobot,
-               occupancy_map: OccupancyMap) -> None:
-    """Refuse a plan into an obstacle, be it between two samples."""
+def check_map(plan: PushTrajectory, obj: PushedObject, robot: RoundRobot,
+              occupancy_map: OccupancyMap) -> None:
+    """
+    Refuse a plan into an obstacle, be it between two samples.
+
+    :raises ValueError: naming the body, and where.
+    """
     spacing = SPACING_RATIO * occupancy_map.resolution
     objects = _filled_in(plan.object_poses, spacing, _extent(obj))
     _check_body('object', objects, occupancy_map.object_collisions(obj, objects, 0.0))

@@ -11,6 +11,7 @@ from push_control.behaviors.failures import BehaviorFailure
 from push_control.behaviors.single_push import SinglePush
 from push_control.goal import TaskGoal
 from push_control.settings import ControlSettings
+from push_control.steered.controller import Controller
 from push_control.supervision_settings import SupervisionSettings
 from push_model.geometry import Pose
 from push_model.observation import Observation
@@ -36,16 +37,21 @@ def target() -> PushTrajectory:
     return plan_push(face_problem(END)).trajectory
 
 
+@pytest.fixture(autouse=True)
+def _astray(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let the controller find that the push has left its path."""
+    if 'target' in request.fixturenames:
+        monkeypatch.setattr(Controller, 'step', lambda *_: STOP)
+        monkeypatch.setattr(Controller, 'replan_requested', True)
+
+
 def requested_goal(push: SinglePush) -> Pose:
-    """Let the push leave its path, and return the goal of the plan that it requests."""
-    controller: Any = SimpleNamespace(replan_requested=True)
-    push._controller = controller
-    here, robot = Pose(0.5, 0.1, 0.0), Pose(0.1, 0.1, 0.0)
+    """Return the goal of the plan that a push requests."""
     perception: Any = SimpleNamespace(observation=Observation(
-        5.0, Odometry(5.0, robot, STOP), ObjectPose(5.0, here)))
-    request = push._needed_plan(perception)
-    assert request is not None
-    return request.goal
+        5.0, Odometry(5.0, Pose(0.1, 0.1, 0.0), STOP), ObjectPose(5.0, Pose(0.5, 0.1, 0.0))))
+    push.step(perception, 0.02)
+    assert push.plan_request is not None
+    return push.plan_request.goal
 
 
 @pytest.mark.parametrize('goal, pursued', [(NEAR, NEAR), (FAR, END), (None, END)])
@@ -61,8 +67,7 @@ def test_another_plan_leads_to_the_goal_that_was_asked_for(
 def test_a_plan_to_another_goal_changes_the_goal(target: PushTrajectory) -> None:
     """From when it comes."""
     push = SinglePush(CONTEXT, target, END)
-    push.next_goal = TaskGoal(NEAR, 0.0)
-    push._next_tolerances = GoalTolerances()
+    push.take_goal(TaskGoal(NEAR, 0.0), GoalTolerances())
     push.take_plan(target)
     assert requested_goal(push) == pytest.approx(NEAR, abs=1e-9)
 
@@ -90,3 +95,12 @@ def test_a_push_that_deviates_towards_a_wall_ends_before_it(wall: float, ends: b
     nears = BehaviorFailure.OBJECT_NEARS_OBSTACLE, BehaviorFailure.ROBOT_NEARS_OBSTACLE
     assert (push.failure is not None and push.failure.reason in nears) is ends
     assert push.finished is not ends
+
+
+def test_a_new_wall_across_the_path_blocks_a_push(target: PushTrajectory) -> None:
+    """One beside it does not, nor one that was there before."""
+    push = SinglePush(CONTEXT, target, END)
+    start = Pose(*target.robot_poses[0].tolist())
+    across, beside = walled_room((0.7, 0.75, -0.5, 0.5)), walled_room((0.7, 0.75, 0.5, 1.0))
+    assert push.is_blocked(across, start)
+    assert not push.is_blocked(beside, start) and not push.is_blocked(None, start)

@@ -12,7 +12,7 @@ from helpers.push_problems import (
 from helpers.straight_pushes import IDEAL, straight_push
 import numpy as np
 from push_control.steered.plan_check import (
-    _check_length, _check_map, check_plan, ExpectedEnds, ExpectedPush, MAX_POSITIONS, Place,
+    check_length, check_map, check_plan, ExpectedEnds, ExpectedPush, MAX_POSITIONS, Place,
 )
 from push_model.geometry import BoolArray, FloatArray, Pose
 from push_model.parameters import PushedObject, RoundRobot
@@ -67,8 +67,8 @@ def test_a_plan_does_not_jump_over_a_wall(ahead: PushTrajectory, samples: list[i
     """Whatever samples it leaves out; the same plan on a free floor is driven."""
     for plan in (ahead, thinned(ahead, samples)):
         with pytest.raises(ValueError, match='leads the object into an obstacle of the map'):
-            _check_map(plan, BOX, HOLONOMIC, walled_room(wall))
-        _check_map(plan, BOX, HOLONOMIC, walled_room())
+            check_map(plan, BOX, HOLONOMIC, walled_room(wall))
+        check_map(plan, BOX, HOLONOMIC, walled_room())
     check_plan(ahead, expected(walled_room()))
 
 
@@ -84,7 +84,7 @@ def test_a_corner_of_the_object_does_not_turn_through_a_wall() -> None:
                                      if name.endswith('twists')})
     post = walled_room((0.25, 0.3, -0.025, 0.025), resolution=0.025)
     with pytest.raises(ValueError, match='leads the object into an obstacle of the map'):
-        _check_map(turned, BOX, HOLONOMIC, post)
+        check_map(turned, BOX, HOLONOMIC, post)
 
 
 def test_the_arc_that_a_robot_drives_is_compared_with_the_map() -> None:
@@ -98,7 +98,7 @@ def test_the_arc_that_a_robot_drives_is_compared_with_the_map() -> None:
     post = np.array((x, y)) + (IDEAL.radius - 0.03) * outward / np.hypot(*outward)
     room = walled_room((post[0], post[0] + 0.01, post[1], post[1] + 0.01), resolution=0.01)
     with pytest.raises(ValueError, match='leads the robot into an obstacle of the map'):
-        _check_map(cut, BOX, IDEAL, room)
+        check_map(cut, BOX, IDEAL, room)
 
 
 def test_a_body_that_starts_in_an_obstacle_may_leave_it_once() -> None:
@@ -108,7 +108,7 @@ def test_a_body_that_starts_in_an_obstacle_may_leave_it_once() -> None:
     check_plan(plan, expected(walled_room(beside)))
     for spoilt in (plan, thinned(plan, [0, -1])):
         with pytest.raises(ValueError, match='leads the object into an obstacle'):
-            _check_map(spoilt, BOX, HOLONOMIC, walled_room(beside, (1.0, 1.05, -0.1, 0.1)))
+            check_map(spoilt, BOX, HOLONOMIC, walled_room(beside, (1.0, 1.05, -0.1, 0.1)))
 
 
 def test_a_fine_map_takes_no_more_positions_than_time_allows(
@@ -127,8 +127,8 @@ def test_a_fine_map_takes_no_more_positions_than_time_allows(
         name: getattr(far, name) * (100.0, 1.0, 1.0)
         for name in ('object_poses', 'robot_poses', 'contact_poses')}, **{
         name: 1e-4 * getattr(far, name) for name in COLUMNS if name.endswith('twists')})
-    _check_map(far, BOX, HOLONOMIC, OccupancyMap(0.005, Pose(-100.0, -1.0, 0.0),
-                                                 np.zeros((400, 60_000), dtype=bool)))
+    check_map(far, BOX, HOLONOMIC, OccupancyMap(0.005, Pose(-100.0, -1.0, 0.0),
+                                                np.zeros((400, 60_000), dtype=bool)))
     assert MAX_POSITIONS <= counts[0] <= MAX_POSITIONS + 2 * len(far.times)
 
 
@@ -205,7 +205,7 @@ def test_a_plan_takes_no_detours(is_last: bool) -> None:
     detour = dataclasses.replace(plan, times=times, **{
         name: getattr(plan, name)[samples] for name in COLUMNS})
     with pytest.raises(ValueError, match='the plan is too long: got 30.5 m of object_poses, exp'):
-        _check_length(detour, expectation)
+        check_length(detour, expectation)
 
 
 def test_plans_of_all_contacts_and_drives_are_driven() -> None:
