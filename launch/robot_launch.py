@@ -34,14 +34,16 @@ TOPICS = {
     'goal_pose': 'geometry_msgs/PoseStamped, goal pose of the object',
     'cmd_vel': 'velocity command for the robot',
 }
-# Choices of arguments that leave a parameter as it is where they are empty.
-SWITCH = ['', 'true', 'false']
+# Choices of arguments that are on or off, as people write them in YAML and in Python; and of those
+# that leave a parameter as it is where they are empty.
+BOOLEAN = ['true', 'false', 'True', 'False']
+SWITCH = ['', *BOOLEAN]
 # Name: (default, choices, description).
 ARGUMENTS = {
     'namespace': ('', None, 'namespace of all nodes, topics and services, tf included'),
     'params_file': (PathJoinSubstitution([CONFIG, 'push.yaml']), None,
                     'parameters of the nodes: measure your object and robot first'),
-    'use_sim_time': ('false', ['true', 'false'], 'take the time from the topic clock'),
+    'use_sim_time': ('false', BOOLEAN, 'take the time from the topic clock'),
     'log_level': ('info', ['debug', 'info', 'warn', 'error', 'fatal'], 'of the nodes'),
     'object': ('', None, 'object in place of that of params_file: name in config/objects, or a '
                'file'),
@@ -57,16 +59,16 @@ ARGUMENTS = {
                 'object_pose of transforms of tags, or of motion capture'),
     'object_pose_with_covariance': ('', SWITCH, 'object_pose is PoseWithCovarianceStamped, else '
                                     'PoseStamped; with tracker it is'),
-    'simulation': ('false', ['true', 'false'],
+    'simulation': ('false', BOOLEAN,
                    'start the simulator in place of robot and tracker'),
     'sensors': ('', None, 'sensors of the simulator: name in config/sensors, or file'),
     'autostart': ('', SWITCH, 'configure and activate planner and controller at once; else a '
                   'lifecycle manager does'),
     'wait_for_start': ('', SWITCH, 'push only after a call of the service controller/start'),
     'enable_stamped_cmd_vel': ('', SWITCH, 'command with TwistStamped, else with Twist'),
-    'rviz': ('false', ['true', 'false'], 'start RViz, where it is installed'),
+    'rviz': ('false', BOOLEAN, 'start RViz, where it is installed'),
     'record': ('', None, 'folder for a recording of all topics of the nodes; empty for none'),
-    'respawn': ('false', ['true', 'false'], 'start a node again that has ended; else all end'),
+    'respawn': ('false', BOOLEAN, 'start a node again that has ended; else all end'),
 }
 # Time before a node is started again [s], chosen as that of Nav2.
 RESPAWN_DELAY = 2.0
@@ -177,7 +179,7 @@ def object_poses(given: Arguments) -> dict[str, bool | None]:
         poses = {'object_pose_with_covariance': True, **poses}
     if switch('simulation', given['simulation']):
         for name in ('tracker', 'object_pose_with_covariance'):
-            if given[name] not in ('', 'false'):
+            if given[name] not in ('', 'false', 'False'):
                 raise ValueError(f'{name}: got {given[name]!r} with the simulator, which '
                                  'publishes object_pose itself, as PoseStamped; expected none')
     return poses
@@ -188,7 +190,8 @@ def tracker(given: Arguments, options: dict[str, Any], poses: dict[str, bool | N
     """Make the tracker for a parameter file."""
     if not given['tracker']:
         return []
-    file = write_parameters(launch_parameters(given['tracker']), launch_config.log_dir)
+    sections = launch_parameters(given['tracker'], argument='tracker')
+    file = write_parameters(sections, launch_config.log_dir)
     return [push_node('tf_tracker', {**options, 'parameters': [file]}, poses, name='push_tracker')]
 
 

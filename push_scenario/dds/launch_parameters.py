@@ -3,13 +3,18 @@
 import math
 from pathlib import Path
 import tempfile
-from typing import Any
+from typing import Any, Callable, TypeVar
 
+from push_control.settings import ControlSettings
+from push_control.supervision_settings import SupervisionSettings
 from push_model.files.flat_values import from_parameter_values, to_parameter_values
-from push_model.files.parameter_files import named_file, read_object, read_robot
+from push_model.files.parameter_files import (
+    named_file, ParameterFileError, read_object, read_robot,
+)
 from push_model.parameters import PushedObject, RoundRobot
 from push_ros.topics import CONTROLLER, SIM
 from push_scenario.definition.loader import read_sensors
+from push_sim_node.sensors import SensorSettings
 import yaml
 
 ANY_NODE = '/**'
@@ -17,10 +22,15 @@ SIM_SECTION = f'{ANY_NODE}/{SIM}'
 CONTROLLER_SECTION = f'{ANY_NODE}/{CONTROLLER}'
 # Clearance between robot and object at the start of a simulation [m], chosen: room to turn.
 START_CLEARANCE = 0.3
+# Periods of poses after which one is missed, beyond their latency; chosen: two may be lost.
+TIMEOUT_PERIODS = 3.0
+# What a file describes.
+Values = TypeVar('Values')
 
 
 def launch_parameters(path: str | Path, object_name: str = '', robot_name: str = '',
-                      sensors_name: str = '') -> dict[str, dict[str, Any]]:
+                      sensors_name: str = '', *, argument: str = 'params_file'
+                      ) -> dict[str, dict[str, Any]]:
     """
     Read a parameter file so that its sections hold in whatever namespace the nodes are.
 
@@ -31,33 +41,77 @@ def launch_parameters(path: str | Path, object_name: str = '', robot_name: str =
     :param object_name: object that takes the place of the one in the file, see ``named_file``; a
         simulation then starts with the robot behind it.
     :param robot_name: the same for the robot.
-    :param sensors_name: the same for the sensors of the simulator.
+    :param sensors_name: the same for the sensors of the simulator; the controller then expects
+        such poses, see ``pose_settings``.
+    :param argument: what errors call the argument that names the file.
     :return: parameters by section, with dotted names.
-    :raises ValueError: where the file is no parameter file, naming it and the section.
+    :raises ValueError: naming the argument, what came and what was expected.
     """
-    data = yaml.safe_load(Path(path).read_text(encoding='utf-8'))
+    try:
+        data = yaml.safe_load(Path(path).read_text(encoding='utf-8'))
+    except OSError as error:
+        raise ParameterFileError(f'{argument}: got {str(path)!r}, expected a ROS parameter '
+                                 f'file: {error.strerror}') from error
     if not isinstance(data, dict):
-        raise ValueError(f'{path}: got no sections, expected a ROS parameter file')
+        raise ValueError(f'{argument}: {path}: got no sections, expected a ROS parameter file')
     sections: dict[str, dict[str, Any]] = {ANY_NODE: {}}
     for name, section in data.items():
         if not isinstance(section, dict) or not isinstance(section.get('ros__parameters'), dict):
-            raise ValueError(f'{path}: {name}: got no ros__parameters, expected parameters below '
-                             'that key')
+            raise ValueError(f'{argument}: {path}: {name}: got no ros__parameters, expected '
+                             'parameters below that key')
         key = name if str(name).startswith('/') else f'{ANY_NODE}/{name}'
         sections.setdefault(key, {}).update(_with_dots(section['ros__parameters']))
     if object_name:
         file = named_file('objects', object_name)
-        _replace(sections, 'object.', read_object(file))
+        _replace(sections, 'object.', _read('object', file, read_object))
         sections.setdefault(CONTROLLER_SECTION, {})['object_name'] = file.stem
     if robot_name:
-        _replace(sections, 'robot.', read_robot(named_file('robots', robot_name)))
+        robot = _read('robot', named_file('robots', robot_name), read_robot)
+        _replace(sections, 'robot.', robot)
     sim = sections.setdefault(SIM_SECTION, {})
     if object_name or robot_name:
         sim.update(_start_apart({**sections[ANY_NODE], **sim}))
     if sensors_name:
-        _replace(sections, 'sensors.', read_sensors(named_file('sensors', sensors_name)),
-                 SIM_SECTION)
+        sensors = _read('sensors', named_file('sensors', sensors_name), read_sensors)
+        _replace(sections, 'sensors.', sensors, SIM_SECTION)
+        sections.setdefault(CONTROLLER_SECTION, {}).update(pose_settings(sensors))
     return sections
+
+
+def _read(argument: str, path: Path, read: Callable[[Path], Values]) -> Values:
+    """Read a file, and name the argument where it cannot be read."""
+    try:
+        return read(path)
+    except ParameterFileError as error:
+        raise ParameterFileError(f'{argument}: {error}') from error
+
+
+def pose_settings(sensors: SensorSettings) -> dict[str, float]:
+    """
+    Compute what the controller has to know of poses.
+
+    With the latency L, the rate f, a bias by view of at most b (``ViewBias``) and outliers of
+    standard deviation j:
+
+        pose_timeout = L + 3 / f,   pose_bias = b / sqrt(8),   heading_bias = b_heading / 2,
+        moved_distance = max(2 b, j),    moved_angle = max(2 b_heading, j_heading)
+
+    and never less than the defaults.
+
+    :param sensors: ``SensorSettings``.
+    :return: parameters of the controller, with dotted names.
+    """
+    control, supervision = ControlSettings(), SupervisionSettings()
+    jumps = sensors.pose_jump_probability > 0.0
+    return {
+        'control.pose_timeout': max(control.pose_timeout, sensors.pose_latency
+                                    + TIMEOUT_PERIODS / sensors.pose_rate),
+        'control.pose_bias': max(control.pose_bias, sensors.pose_bias / math.sqrt(8.0)),
+        'control.heading_bias': max(control.heading_bias, 0.5 * sensors.pose_heading_bias),
+        'supervision.moved_distance': max(supervision.moved_distance, 2.0 * sensors.pose_bias,
+                                          jumps * sensors.pose_jump),
+        'supervision.moved_angle': max(supervision.moved_angle, 2.0 * sensors.pose_heading_bias,
+                                       jumps * sensors.pose_heading_jump)}
 
 
 def write_parameters(sections: dict[str, dict[str, Any]], folder: str | Path) -> str:

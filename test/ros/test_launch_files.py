@@ -62,8 +62,9 @@ def test_where_one_node_ends_all_end(launched):
 
 @pytest.mark.parametrize('arguments, text', [
     (['object:=sofa'], "object: got 'sofa'"), (['task:=maybe'], 'task'),
-    (['map:=/no/map.yaml'], 'map: got'), (['record:=bag', 'params_file:=/no.yaml'], '/no.yaml'),
-    (['tracker:=/no/tags.yaml'], '/no/tags.yaml'),
+    (['map:=/no/map.yaml'], 'map: got'),
+    (['params_file:=/no.yaml'], "params_file: got '/no.yaml'"),
+    (['tracker:=/no/tags.yaml'], "tracker: got '/no/tags.yaml'"),
     (['tracker:=tags.yaml', 'simulation:=true'], 'tracker: got')])
 def test_a_wrong_argument_is_an_error_before_anything_is_started(launched, arguments, text):
     process, path = launched.start('robot', *arguments)

@@ -1,5 +1,9 @@
 """Parameters that launch files hand to the nodes: in any namespace, objects and robots by name."""
 
+import math
+
+import numpy as np
+from push_control.settings import ControlSettings
 from push_model.files.data import config_file
 from push_model.files.flat_values import from_parameter_values
 from push_model.files.parameter_files import named_file, read_object, read_robot
@@ -11,7 +15,7 @@ from push_scenario.dds.launch_parameters import (
 )
 from push_scenario.definition.loader import read_sensors, scenario_from_text
 from push_sim_node.plant import Plant
-from push_sim_node.sensors import SensorSettings
+from push_sim_node.sensors import SensorSettings, ViewBias
 import pytest
 import rclpy
 from rclpy.context import Context
@@ -88,6 +92,23 @@ def test_sensors_by_name_are_those_of_the_simulator_alone():
     assert not any(name.startswith('sensors.') for name in camera['/**'])
 
 
+def test_the_controller_expects_the_poses_of_the_sensors():
+    """Its time-out leaves room for three periods, its bias is the root mean square of theirs."""
+    mocap, camera = (launch_parameters(DEFAULT, sensors_name=name)[f'/**/{CONTROLLER}']
+                     for name in ('mocap', 'camera'))
+    default = launch_parameters(DEFAULT)[f'/**/{CONTROLLER}']
+    assert {name: mocap[name] for name in default} == default
+    assert mocap['control.pose_bias'] == ControlSettings().pose_bias
+    assert camera['control.pose_timeout'] == pytest.approx(0.45)
+    view = ViewBias(read_sensors(named_file('sensors', 'camera')), np.random.default_rng(1))
+    errors = np.array([view.error(bearing) for bearing in np.linspace(0.0, 2.0 * math.pi, 1000)])
+    rms = np.sqrt(np.mean(errors ** 2, axis=0))
+    assert camera['control.pose_bias'] == pytest.approx(math.hypot(*rms[:2]) / math.sqrt(2.0),
+                                                        rel=0.01)
+    assert camera['control.heading_bias'] == pytest.approx(rms[2], rel=0.01)
+    assert camera['supervision.moved_distance'] == 0.1
+
+
 def test_a_scenario_may_name_a_file_of_sensors_and_change_parts_of_it():
     text = named_file('scenarios', 'straight_push').read_text()
     scenario = scenario_from_text(text + '\nsensors: {file: camera.yaml, pose_rate: 5.0}', 'seen')
@@ -107,6 +128,16 @@ def test_what_is_no_parameter_file_is_refused(tmp_path, text, message):
 def test_unknown_names_are_refused_with_those_that_there_are():
     with pytest.raises(ParameterFileError, match='expected a path or one of bin, box_04'):
         launch_parameters(DEFAULT, 'box')
+
+
+@pytest.mark.parametrize('argument', ['object', 'robot', 'sensors'])
+def test_a_file_that_is_missing_is_refused_with_its_argument(tmp_path, argument):
+    missing = str(tmp_path / 'none.yaml')
+    names = {'object_name': '', 'robot_name': '', 'sensors_name': '', f'{argument}_name': missing}
+    with pytest.raises(ParameterFileError, match=f'^{argument}: {missing}: No such file'):
+        launch_parameters(DEFAULT, **names)
+    with pytest.raises(ParameterFileError, match=f'^{argument}: got .*{missing}'):
+        launch_parameters(missing, argument=argument)
 
 
 def test_a_switch_is_on_off_or_not_given():
