@@ -160,7 +160,7 @@ class PushActionServer:
 
         def refuse(code: str, reason: str) -> None:
             self._node.get_logger().error(f'{ACTION}: {reason}')
-            self._finish(handle, code, reason, self._interfaces.action.Result())
+            self._finish(handle, code, reason, self._unmeasured_result())
 
         def accept(message: Any) -> None:
             self._check_base(lambda fault: begin(message, fault))
@@ -232,7 +232,7 @@ class PushActionServer:
             self._goals.cancel()
         elif handle.is_active:
             # Its pose has not come to the world frame yet, or the base is being checked.
-            self._finish(handle, 'NONE', 'cancelled', self._interfaces.action.Result())
+            self._finish(handle, 'NONE', 'cancelled', self._unmeasured_result())
 
     def _on_end(self, handle: ServerGoalHandle, ended: GoalHandle) -> None:
         if handle is self._current:
@@ -247,6 +247,10 @@ class PushActionServer:
         is_cancelled = outcome is GoalOutcome.CANCELLED and handle.is_cancel_requested
         self._finish(handle, 'NONE' if is_cancelled else ERRORS[outcome], text, result,
                      is_reached=is_reached)
+
+    def _unmeasured_result(self) -> Any:
+        """Make the result of a goal that was not pursued: its errors were not measured."""
+        return self._interfaces.action.Result(position_error=math.nan, heading_error=math.nan)
 
     def _finish(self, handle: ServerGoalHandle, code: str, text: str, result: Any, *,
                 is_reached: bool = False) -> None:

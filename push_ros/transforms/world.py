@@ -125,9 +125,12 @@ class WorldFrame:
         if handlers.is_latched:
             self._waiting = [item for item in self._waiting if item.topic != topic]
         frame = message.header.frame_id.lstrip('/')
-        if frame == self._frame or not frame:
+        if frame == self._frame:
             self._release(handlers)
             handlers.accept(message)
+            return
+        if not frame:
+            handlers.refuse(self._refusal(topic, message, 'it has no frame_id'), message)
             return
         if self._listener is None:
             self._listener = self._listen()

@@ -222,7 +222,8 @@ def test_a_client_that_is_gone_leaves_its_goal_to_the_next_one(client: Client) -
     ({'object_name': 'moon'}, GOAL, 'UNKNOWN_OBJECT',
      "got 'moon', expected one of bin, box_04, carton, coffee_table"),
     ({}, stamped(GOAL, 'nowhere'), 'TF_ERROR', "frame 'nowhere'"),
-], ids=['nan', 'tolerance', 'nan tolerance', 'time limit', 'object', 'frame'])
+    ({}, stamped(GOAL, ''), 'TF_ERROR', "got frame '', expected 'odom'"),
+], ids=['nan', 'tolerance', 'nan tolerance', 'time limit', 'object', 'frame', 'no frame'])
 def test_a_goal_that_cannot_be_used_is_aborted(client, fields, pose, code, text):
     """With code and text; the goal that is pursued stays."""
     _, former = client.send(GOAL)
@@ -230,6 +231,7 @@ def test_a_goal_that_cannot_be_used_is_aborted(client, fields, pose, code, text)
     assert ended.status == GoalStatus.STATUS_ABORTED
     assert ended.result.error_code == getattr(client.action.Result, code)
     assert text in ended.result.error_msg
+    assert math.isnan(ended.result.position_error) and math.isnan(ended.result.heading_error)
     client.measure()
     assert not former.done()
 

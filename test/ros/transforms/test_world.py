@@ -138,6 +138,14 @@ def test_the_covariance_turns_with_the_pose(receiver):
     np.testing.assert_allclose(found, np.diag([1e-4, 4e-4, 1.0, 1.0, 1.0, 0.01]), atol=1e-12)
 
 
+def test_a_message_that_names_no_frame_is_refused(receiver):
+    """It is not taken for one in the world frame."""
+    receiver.receive(pose_message('', 1.0, (1.0, 0.0, 0.0)))
+    error, = receiver.refused
+    assert not receiver.accepted
+    assert "got frame '', expected 'odom'" in error and 'no frame_id' in error
+
+
 def map_message(origin):
     """Make a map of two cells in the frame of maps."""
     grid = OccupancyGrid(data=[0, 100])
