@@ -1,5 +1,6 @@
 """What the nodes share: parameters, topics by name, diagnostics, two groups of callbacks."""
 
+import sys
 import time
 import traceback
 from types import TracebackType
@@ -12,6 +13,7 @@ from push_ros.diagnostics import ERROR, Reporter
 from push_ros.executor import (
     BackgroundGroup, PolledNode, StartRefused, take_message, without_place,
 )
+from push_ros.parameter_files import missed_section, parameter_files
 from push_ros.parameters import ParameterHooks, ParameterSet, Section
 from push_ros.publisher_names import publisher_name
 from push_ros.topics import SERVICES, TOPICS
@@ -123,6 +125,7 @@ class PushNode(PolledNode):
         self.background = BackgroundGroup()
         self.real_time = MutuallyExclusiveCallbackGroup()
         super().__init__(name, automatically_declare_parameters_from_overrides=True)
+        self._warn_of_missed_sections(name)
         try:
             self.parameters = ParameterSet(self, sections, settable, ParameterHooks(
                 self.further_parameters, self.parameter_refusal, self.on_settings_changed))
@@ -130,6 +133,15 @@ class PushNode(PolledNode):
             self.refuse_to_start(f'{error} (give parameters with --params-file; config/push.yaml '
                                  'is an example)')
         self.reporter = Reporter(self, self.publisher('diagnostics'), self.now)
+
+    def _warn_of_missed_sections(self, usual_name: str) -> None:
+        """Tell a user who has renamed the node that its section in a file was not."""
+        for path in parameter_files(sys.argv):
+            section = missed_section(path, usual_name, self.get_name())
+            if section:
+                self.get_logger().warning(
+                    f'{path}: its section {section!r} is ignored, as this node is called '
+                    f'{self.get_name()!r}; expected a section with that name')
 
     @property
     def settings(self) -> list[Any]:

@@ -259,8 +259,9 @@ def test_a_refusal_is_on_rosout_and_in_the_exit_status(setup):
                'robot.radios:=0.2']
 
     def is_logged():
-        return any(entry.name == 'mistaken' and 'refused to start: robot.radios' in entry.msg
-                   for entry in setup.log)
+        said = [entry.msg for entry in setup.log if entry.name == 'mistaken']
+        return (any('refused to start: robot.radios' in text for text in said)
+                and any("its section '/**/push_controller' is ignored" in text for text in said))
 
     def refuse():
         process = subprocess.Popen(command, env=environment, stderr=subprocess.DEVNULL)
