@@ -26,12 +26,14 @@ def missed_section(path: Path, usual_name: str, name: str) -> str:
     :param name: its present name.
     :return: the section; empty where nothing is missed, or the file cannot be read.
     """
+    if name == usual_name:
+        return ''
     try:
         sections = yaml.safe_load(path.read_text(encoding='utf-8'))
     except (OSError, UnicodeDecodeError, yaml.YAMLError):
         # The middleware reads the file itself, and reports what is wrong with it.
         return ''
-    if name == usual_name or not isinstance(sections, dict):
+    if not isinstance(sections, dict):
         return ''
     nodes = {str(section).rpartition('/')[2]: str(section) for section in sections}
     return '' if name in nodes else nodes.get(usual_name, '')

@@ -168,8 +168,9 @@ class SinglePush(SteeredPush):
     def _pursued(self, goal: Pose | None) -> Pose:
         """Return the goal if the plan leads there, else where the plan ends."""
         end = Pose(*self._target.object_poses[-1].tolist())
-        leads_there = goal is not None and self._context.control.tolerances.contain(end, goal)
-        return goal if goal is not None and leads_there else end
+        if goal is not None and self._context.control.tolerances.contain(end, goal):
+            return goal
+        return end
 
     def goes_on_without_plan(self) -> bool:
         """Give another goal up to which there is no plan; return whether there was one."""

@@ -98,20 +98,21 @@ def pose_settings(sensors: SensorSettings) -> dict[str, float]:
 
     and never less than the defaults.
 
-    :param sensors: ``SensorSettings``.
     :return: parameters of the controller, with dotted names.
     """
     control, supervision = ControlSettings(), SupervisionSettings()
-    jumps = sensors.pose_jump_probability > 0.0
+    jump, heading_jump = 0.0, 0.0
+    if sensors.pose_jump_probability > 0.0:
+        jump, heading_jump = sensors.pose_jump, sensors.pose_heading_jump
     return {
         'control.pose_timeout': max(control.pose_timeout, sensors.pose_latency
                                     + TIMEOUT_PERIODS / sensors.pose_rate),
         'control.pose_bias': max(control.pose_bias, sensors.pose_bias / math.sqrt(8.0)),
         'control.heading_bias': max(control.heading_bias, 0.5 * sensors.pose_heading_bias),
         'supervision.moved_distance': max(supervision.moved_distance, 2.0 * sensors.pose_bias,
-                                          jumps * sensors.pose_jump),
+                                          jump),
         'supervision.moved_angle': max(supervision.moved_angle, 2.0 * sensors.pose_heading_bias,
-                                       jumps * sensors.pose_heading_jump)}
+                                       heading_jump)}
 
 
 def write_parameters(sections: dict[str, dict[str, Any]], folder: str | Path) -> str:
