@@ -195,10 +195,11 @@ class BaseIdentifier:
         """
         Compare a measured velocity with the commands before it.
 
-        :param odometry: ``Odometry``, finite.
+        :param odometry: ``Odometry``, finite; one that comes again with the time of the last is
+            ignored, and one from before it starts over.
         """
         time, measured = odometry.time, self._measured
-        if not self._robot.identify_base:
+        if not self._robot.identify_base or measured and time == measured[-1][0]:
             return
         if measured and not 0.0 < time - measured[-1][0] <= MAX_GAP:
             self.forget()

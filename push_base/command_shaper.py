@@ -59,11 +59,14 @@ class _Channel:
         Choose what to send.
 
         :param desired: speed (x, y) that is desired from now on.
-        :param dt: time for which the last one was sent [s].
+        :param dt: time for which the last one was sent [s]; after none the choice stays where the
+            same is desired.
         :param least: height of a pulse; 0 for none.
         :param pulse: its duration [s].
         :param step: to which the base rounds; 0 for none.
         """
+        if dt == 0.0 and desired == self._desired:
+            return self._sent
         self._debt = (self._debt[0] + (self._desired[0] - self._sent[0]) * dt,
                       self._debt[1] + (self._desired[1] - self._sent[1]) * dt)
         self._remaining -= dt

@@ -39,8 +39,13 @@ def commands(drive, seed, count=400):
                     float(command[2]))
 
 
-def learned(true, stated, sequence, faults=DriveImperfections(), noise=0.0, known=None):
-    """Return the identifier of a base that got commands through the shaper, and the base."""
+def learned(true, stated, sequence, faults=DriveImperfections(), noise=0.0, known=None,
+            repeats_every=0):
+    """
+    Return the identifier of a base that got commands through the shaper, and the base.
+
+    :param repeats_every: of so many measurements one comes twice.
+    """
     rng = np.random.default_rng(11)
     identifier, shaper = BaseIdentifier(stated), CommandShaper(stated)
     identifier.knowledge = known or identifier.knowledge
@@ -49,7 +54,8 @@ def learned(true, stated, sequence, faults=DriveImperfections(), noise=0.0, know
         time = PERIOD * k
         measured = Twist(*(np.array(base.odometry_twist)
                            + noise * rng.standard_normal(3) * (1.0, 1.0, 4.0)).tolist())
-        identifier.observe(Odometry(time, base.odometry_pose, measured))
+        for _ in range(2 if repeats_every and k % repeats_every == 0 else 1):
+            identifier.observe(Odometry(time, base.odometry_pose, measured))
         shaper.knowledge = identifier.knowledge
         sent = shaper.shape(command, time)
         identifier.add_command(sent, time)
@@ -178,6 +184,17 @@ def test_what_was_sent_by_others_is_no_evidence():
         identifier.observe(Odometry(100.0 + PERIOD * k, Pose(0.0, 0.0, 0.0),
                                     Twist(0.3 * math.sin(k), 0.0, 0.0)))
     assert identifier.knowledge == known
+
+
+@pytest.mark.parametrize('drive', DRIVES)
+def test_a_measurement_that_comes_twice_counts_once(drive):
+    """What is learned is the same to the bit, at every time."""
+    true = robot_of(drive, dead_time=0.2, min_speed=0.05, min_yaw_rate=0.1)
+    for count in range(25, 400, 25):
+        once, again = (learned(true, robot_of(drive), commands(drive, 3, count),
+                               repeats_every=every)[0] for every in (0, 3))
+        assert again.knowledge == once.knowledge
+    assert once.knowledge.dead_time > 0.1
 
 
 def test_a_jump_of_time_is_not_followed_step_by_step():

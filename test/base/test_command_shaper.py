@@ -233,6 +233,19 @@ def test_what_is_known_counts_from_the_next_command_on():
     assert min(sent) == 0.0 and max(sent) == pytest.approx(0.11)
 
 
+@pytest.mark.parametrize('seed', range(4))
+def test_a_command_that_is_asked_for_twice_at_once_is_shaped_once(seed):
+    """As where a measurement comes twice; also where an axis is to stand and is still owed."""
+    robot = robot_of('holonomic')
+    wanted = [Twist(command.v_x, command.v_y, 0.0) if k % 7 < 4 else Twist(0.0, 0.0, command.omega)
+              for k, command in enumerate(slow_commands(seed, 'holonomic'))]
+    once, twice = CommandShaper(robot), CommandShaper(robot)
+    for k, command in enumerate(wanted):
+        sent = once.shape(command, PERIOD * k)
+        assert twice.shape(command, PERIOD * k) == sent
+        assert twice.shape(command, PERIOD * k) == sent
+
+
 def test_wheels_and_twist_are_inverse():
     """At any speed, and a robot turns about a wheel that rests."""
     rng = np.random.default_rng(4)

@@ -23,17 +23,26 @@ def robot_of(drive):
     return RoundRobot(0.17, drive=drive, max_acceleration=0.9, min_speed=0.05, min_yaw_rate=0.1)
 
 
-def driven(robot, stated, seconds, command=SLOW, fails_at=math.inf):
-    """Drive a base through the layer; return what was sent, and the layer."""
+def driven(robot, stated, seconds, command=SLOW, fails_at=math.inf, repeats_every=0):
+    """
+    Drive a base through the layer; return what was sent, the layer and the base.
+
+    :param command: a ``Twist``, or one for each period.
+    :param fails_at: when the base stops, whatever it is sent [s].
+    :param repeats_every: of so many measurements one comes twice, and is answered twice.
+    """
     layer = SafetyLayer(stated, box())
     base = ImperfectDrive(robot, DriveImperfections(), Pose(0.0, 0.0, 0.0), 1.0)
     sent = []
     for k in range(round(seconds / PERIOD)):
         time = PERIOD * k
         twist = base.odometry_twist if time < fails_at else STOP
-        layer.observe(Odometry(time, base.odometry_pose, twist))
-        sent.append(layer.filter(command, time))
-        base.command(sent[-1])
+        wanted = command if isinstance(command, Twist) else command[k]
+        for _ in range(2 if repeats_every and k % repeats_every == 0 else 1):
+            layer.observe(Odometry(time, base.odometry_pose, twist))
+            answer = layer.filter(wanted, time)
+        sent.append(answer)
+        base.command(answer)
         for _ in range(10):
             base.step(0.1 * PERIOD, (0.0, 0.0))
     return sent, layer, base
@@ -69,6 +78,24 @@ def test_a_base_that_is_off_stops_the_robot_as_soon_as_one_without_dead_band(dri
         times.append(next(k for k, twist in enumerate(sent) if k > 50 and twist == STOP))
         assert set(sent[times[-1]:]) == {STOP}
     assert times[0] == times[1]
+
+
+@pytest.mark.parametrize('drive', ['differential', 'holonomic'])
+@pytest.mark.parametrize('dead_time', [0.0, 0.2])
+def test_a_measurement_that_comes_twice_changes_nothing(drive, dead_time):
+    """Neither what is sent nor what is learned of a base without statements, to the bit."""
+    true = dataclasses.replace(robot_of(drive), dead_time=dead_time)
+    stated = RoundRobot(0.17, drive=drive, max_acceleration=0.9)
+    fast = [Twist(0.2, 0.0, 0.3 * math.sin(0.05 * k)) for k in range(150)]
+    slow = [Twist(0.03, 0.0, 0.04 * math.sin(0.02 * k)) for k in range(300)]
+    command = [*fast, *slow, *[STOP] * 10, *fast]
+    seconds = PERIOD * len(command)
+    once, layer, _ = driven(true, stated, seconds, command)
+    sent, again, _ = driven(true, stated, seconds, command, repeats_every=3)
+    assert sent == once
+    assert again.base_knowledge == layer.base_knowledge
+    assert layer.base_knowledge.min_speed > 0.0
+    assert (layer.base_knowledge.dead_time > 0.0) == (dead_time > 0.0)
 
 
 def wheels_of(robot, twists):
