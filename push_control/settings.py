@@ -125,6 +125,12 @@ class ControlSettings:
                                  is_dynamic=False, is_basic=True, default=0.002)
     heading_noise: float = quantity('heading std where the pose states none', 'rad', MIN_NOISE,
                                     0.3, is_dynamic=False, is_basic=True, default=0.006)
+    pose_noise_per_distance: float = quantity(
+        'growth of pose_noise with the distance of a relative pose', 'm/m', 0.0, 0.5,
+        is_dynamic=False, default=0.0)
+    heading_noise_per_distance: float = quantity(
+        'growth of heading_noise with the distance of a relative pose', 'rad/m', 0.0, 0.5,
+        is_dynamic=False, default=0.0)
     pose_bias: float = quantity('std of the position error that averaging keeps, per axis', 'm',
                                 0.0, 0.5, is_dynamic=False, default=0.0)
     heading_bias: float = quantity('std of the heading error that averaging keeps', 'rad', 0.0,
@@ -171,8 +177,13 @@ class ControlSettings:
         Choose the covariance of a measured object pose.
 
         :return: the ``PoseCovariance`` that it states; that of ``pose_noise`` and
-            ``heading_noise`` where it states none.
+            ``heading_noise`` where it states none, which grow with the distance of a relative
+            pose.
         """
         if measured.covariance is not None:
             return measured.covariance
-        return PoseCovariance.from_deviations(self.pose_noise, self.heading_noise)
+        relative = measured.relative
+        away = 0.0 if relative is None else math.hypot(relative.x, relative.y)
+        return PoseCovariance.from_deviations(
+            self.pose_noise + self.pose_noise_per_distance * away,
+            self.heading_noise + self.heading_noise_per_distance * away)

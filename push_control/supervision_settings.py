@@ -71,6 +71,13 @@ class SupervisionSettings:
     probe_distance: float = quantity('search for the contact beyond where it is expected', 'm',
                                      above=0.0, high=1.0, default=0.1)
 
+    view_angle: float = quantity('greatest bearing of the object with poses; pi: all round', 'rad',
+                                 above=0.0, high=math.pi, is_dynamic=False, default=math.pi)
+    view_nearest: float = quantity('least gap to the object with poses; 0: in contact, too', 'm',
+                                   0.0, 10.0, is_dynamic=False, default=0.0)
+    view_farthest: float = quantity('greatest distance of the object with poses', 'm', above=0.0,
+                                    infinite=True, is_dynamic=False, default=math.inf)
+
     odometry_reference: OdometryReference = quantity(
         'drifting: its covariance is ignored; absolute: it is used',
         choices=get_args(OdometryReference), is_dynamic=False, default='drifting')

@@ -115,9 +115,13 @@ class ObjectPose(NamedTuple):
     :param time: of the measurement [s].
     :param pose: ``Pose`` of the object.
     :param covariance: ``PoseCovariance`` of the pose as its source states it; None where it states
-        none.
+        none. Of a relative pose it is that of the measurement alone, without the robot's error.
+    :param relative: ``Pose`` of the object in the axes of the robot at that time, where a sensor
+        on the robot measures it; ``pose`` is then composed with odometry. None where the pose is
+        measured in the world.
     """
 
     time: float
     pose: Pose
     covariance: PoseCovariance | None = None
+    relative: Pose | None = None

@@ -94,7 +94,10 @@ class PoseCheck:
                 jump = multiple
         self.heading_jump = jump
         self._continued = Pose(pose.x, pose.y, wrap_angle(pose.theta - jump))
-        return ObjectPose(measured.time, self._continued, measured.covariance)
+        relative = measured.relative
+        if relative is not None:
+            relative = Pose(relative.x, relative.y, wrap_angle(relative.theta - jump))
+        return measured._replace(pose=self._continued, relative=relative)
 
     def _plausible(self, measured: ObjectPose) -> ObjectPose:
         """Return a pose that can be true, or the last one."""

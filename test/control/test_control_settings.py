@@ -3,7 +3,7 @@
 from push_control.settings import ControlSettings
 from push_control.supervision_settings import SupervisionSettings
 from push_model.geometry import Pose
-from push_model.signals import Odometry, PoseCovariance, STOP
+from push_model.signals import ObjectPose, Odometry, PoseCovariance, STOP
 import pytest
 
 
@@ -23,3 +23,16 @@ def test_a_covariance_is_believed_only_where_odometry_is_absolute():
     assert SupervisionSettings().believed_covariance(stated) is None
     assert absolute.believed_covariance(stated) == stated.covariance
     assert absolute.believed_covariance(stated._replace(covariance=None)) is None
+
+
+def test_noise_grows_with_the_distance_of_relative_poses_alone():
+    settings = ControlSettings(pose_noise=0.002, heading_noise=0.01, pose_noise_per_distance=0.005,
+                               heading_noise_per_distance=0.02)
+    pose = Pose(5.0, 0.0, 0.0)
+    seen = ObjectPose(0.0, pose, relative=Pose(0.0, 2.0, 1.0))
+    assert settings.believed_covariance(seen).position_deviation == pytest.approx(0.012)
+    assert settings.believed_covariance(seen).heading_deviation == pytest.approx(0.05)
+    assert settings.believed_covariance(ObjectPose(0.0, pose)).heading_deviation == pytest.approx(
+        0.01)
+    stated = PoseCovariance.from_deviations(0.1, 0.2)
+    assert settings.believed_covariance(seen._replace(covariance=stated)) is stated

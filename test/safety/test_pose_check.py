@@ -11,7 +11,7 @@ from helpers.objects import box
 import numpy as np
 from push_model.events import PushEvent
 from push_model.geometry import Pose, wrap_angle
-from push_model.signals import ObjectPose
+from push_model.signals import ObjectPose, PoseCovariance
 from push_safety.pose_check import NOISE_STEPS, PoseCheck, rotational_symmetry
 from push_safety.tolerances import AGREEING_MESSAGES
 import pytest
@@ -109,6 +109,20 @@ def test_a_jump_of_the_heading_is_taken_back_for_as_long_as_it_lasts(multiple):
     check = PoseCheck(SQUARE, heading_count=1)
     assert headings(check, seen[:21])[-1] == pytest.approx(true[19])
     assert check.heading_jump == 0.0 and check.fault is not None
+
+
+def test_a_relative_pose_loses_the_same_jump_and_keeps_its_place():
+    check = PoseCheck(SQUARE)
+    seen = Pose(0.5, 0.1, 0.3)
+    covariance = PoseCovariance.from_deviations(0.01, 0.02)
+    first = ObjectPose(0.0, Pose(1.0, 2.0, 0.4), covariance, seen)
+    assert check.check(first) == first
+    turned = first._replace(time=PERIOD, pose=Pose(1.0, 2.0, 0.4 + 0.5 * math.pi),
+                            relative=Pose(0.5, 0.1, 0.3 + 0.5 * math.pi))
+    answer = check.check(turned)
+    assert answer.relative.theta == pytest.approx(seen.theta)
+    assert answer.relative[:2] == seen[:2] and answer.covariance == covariance
+    assert answer.pose.theta == pytest.approx(0.4)
 
 
 @pytest.mark.parametrize('rotation', [0.3, 0.8, 1.2])
