@@ -111,7 +111,9 @@ class ControllerNode(ManagedNode):
 
     def configure(self) -> None:
         """
-        Make the controller, which reads what was learned of the object.
+        Make the controller, which reads what was learned of the object, and rehearse.
+
+        The rehearsal compiles what a push needs: an active controller is never deaf for that.
 
         :raises ValueError: where ``knowledge_file`` cannot be read, or there is no
             ``object_folder``.
@@ -119,6 +121,7 @@ class ControllerNode(ManagedNode):
         self._catalogue.check_folder()
         self._controller = ActiveController(self, self._present_parameters, self._world,
                                             self._catalogue)
+        self._controller.pursuit.rehearse()
 
     def activate(self) -> None:
         """Subscribe, and wait for a goal."""

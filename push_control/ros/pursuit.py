@@ -64,6 +64,10 @@ class GoalPursuit:
         self._plans = PlanEntry(node, parameters, self._floor, self._reporter)
         self.reset()
 
+    def rehearse(self) -> None:
+        """Compile or load now what the first goal would wait for."""
+        self._supervisor.rehearse()
+
     # What it does.
 
     @property

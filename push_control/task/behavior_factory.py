@@ -71,6 +71,10 @@ class BehaviorFactory(abc.ABC):
         :param progress: the ``ProgressMonitor`` of the task.
         """
 
+    @abc.abstractmethod
+    def rehearse(self) -> None:
+        """Compile or load now, with measurements of its own, what a task would wait for."""
+
     def inspection(self, perception: Any) -> Behavior[Any]:
         """
         Make the behaviour that sees the object from another side; stands where there is none.

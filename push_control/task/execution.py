@@ -78,6 +78,10 @@ class TaskExecution:
         self._last_push = ControllerStatus()
         self._answer = _Answer()
 
+    def rehearse(self) -> None:
+        """Compile or load now what a task would wait for; nothing that is known changes."""
+        self._behaviors.rehearse()
+
     # What is known.
 
     @property

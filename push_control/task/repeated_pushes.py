@@ -24,7 +24,9 @@ from push_control.task.state_machine import REPEATED_PUSHES_TABLE
 from push_control.task.status import TaskState
 from push_model.friction import friction_center
 from push_model.geometry import distance, Pose
+from push_model.observation import Observation
 from push_model.parameters import PushedObject, RoundRobot
+from push_model.signals import ObjectPose, Odometry, STOP
 from push_model.trajectory import PushStyle, PushTrajectory
 from push_navigation.settings import DriveSettings
 from push_primitives.cost_settings import CostSettings
@@ -45,6 +47,10 @@ FEEDBACK_CONE_FRACTION = 0.9
 SHORT_RETREAT = 0.06
 # Tolerance that every push keeps [m, rad].
 ANY_ERROR = 1.0
+# Measurements of a rehearsal: period [s], and poses clear of each other.
+REHEARSAL_PERIOD = 0.05
+REHEARSAL_ROBOT = Pose(0.0, 0.0, 0.0)
+REHEARSAL_OBJECT = Pose(3.0, 0.0, 0.0)
 
 
 class RepeatedPushBehaviors(BehaviorFactory):
@@ -91,6 +97,14 @@ class RepeatedPushBehaviors(BehaviorFactory):
         if state is TaskState.PUSH and target is not None:
             return self._push(context, target, goal, perception)
         return Stand()
+
+    def rehearse(self) -> None:
+        """Localize a robot that stands far off the object, and weigh one straight push."""
+        perception = self.new_perception(-math.inf)
+        for time in (0.0, REHEARSAL_PERIOD):
+            perception.update(Observation(time, Odometry(time, REHEARSAL_ROBOT, STOP),
+                                          ObjectPose(time, REHEARSAL_OBJECT)))
+        warm_up(self._load_primitives(perception), perception.localization)
 
     def inspection(self, perception: TaskPerception) -> Behavior[TaskPerception]:
         """Make the behaviour that sees the object from another side."""

@@ -8,9 +8,13 @@ from push_control.behaviors.retreat import Retreat
 from push_control.behaviors.single_push import PromptPlan, SinglePush
 from push_control.goal import TaskGoal
 from push_control.perception.raw_perception import RawPerception
+from push_control.steered.rehearsal import rehearsal_plan
 from push_control.task.behavior_factory import BehaviorFactory
 from push_control.task.state_machine import SINGLE_PUSH_TABLE
 from push_control.task.status import TaskState
+from push_model.geometry import Pose
+from push_model.observation import Observation
+from push_model.signals import ObjectPose, Odometry, STOP
 from push_model.trajectory import PushTrajectory
 
 
@@ -43,3 +47,12 @@ class SinglePushBehaviors(BehaviorFactory):
         if state is TaskState.RETREAT:
             return Retreat(context, self._drive.retreat_distance)
         return Stand()
+
+    def rehearse(self) -> None:
+        """Begin a straight push: that loads the steering law and the filter."""
+        plan = rehearsal_plan(self._obj, self._robot)
+        perception = self.new_perception(0.0)
+        perception.update(Observation(
+            0.0, Odometry(0.0, Pose(*plan.robot_poses[0].tolist()), STOP),
+            ObjectPose(0.0, Pose(*plan.object_poses[0].tolist()))))
+        SinglePush(self._context(self._obj), plan).step(perception, 0.0)

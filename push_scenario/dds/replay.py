@@ -25,9 +25,9 @@ MODULES = {SIM: 'push_sim_node.sim_node', PLANNER: 'push_planner.planner_node',
            CONTROLLER: 'push_control.controller_node'}
 # Wall-clock limits [s], each chosen at several times what it takes on a machine with twice as
 # many busy processes as cores: they end a replay that hangs, and must not end a slow one.
-START_TIMEOUT = 60.0
+START_TIMEOUT = 180.0
 PLAN_TIMEOUT = 180.0
-SERVICE_TIMEOUT = 60.0
+SERVICE_TIMEOUT = 180.0
 STALL_TIMEOUT = 60.0
 
 
