@@ -5,6 +5,7 @@ The simulated robot and object: plant, sensors, disturbances, and a tape of what
 """
 
 from push_dynamics.floor import FloorPatch
+from push_sim_node.camera import CameraSettings
 from push_sim_node.disturbance import FrictionChange, ObjectDisplacement
 from push_sim_node.plant import Plant
 from push_sim_node.sensors import SensorSettings
@@ -14,6 +15,7 @@ from push_sim_node.tape import Tape
 from push_sim_node.truth import ContactMode, Energy, Truth
 
 __all__ = [
-    'ContactMode', 'Energy', 'FloorPatch', 'FrictionChange', 'ObjectDisplacement', 'Plant',
-    'SensorSettings', 'Simulation', 'SimulationSettings', 'Tape', 'Truth',
+    'CameraSettings', 'ContactMode', 'Energy', 'FloorPatch', 'FrictionChange',
+    'ObjectDisplacement', 'Plant', 'SensorSettings', 'Simulation', 'SimulationSettings', 'Tape',
+    'Truth',
 ]

@@ -12,6 +12,7 @@ from push_model.quantity import check, MIN_NOISE, quantity
 from push_model.signals import (
     ObjectPose, Odometry, OdometryReference, PoseCovariance, Twist,
 )
+from push_sim_node.camera import CameraSettings
 
 # Deviation that odometry states where the settings have less [m, rad, m/s, rad/s]: chosen, as
 # encoders resolve it. A variance of 0 would count as not stated.
@@ -71,6 +72,7 @@ class SensorSettings:
     odometry_step: float = quantity('step to which coordinates of odometry are rounded; 0: none',
                                     'm', 0.0, 0.1, default=0.0)
     odometry_angle_step: float = quantity('the same of its heading', 'rad', 0.0, 0.5, default=0.0)
+    camera: CameraSettings = CameraSettings()
 
     def __post_init__(self) -> None:
         """Validate the fields."""
@@ -144,13 +146,14 @@ class PoseSensor:
         """Measure with other noise, losses and jumps from now on; the bias by view stays."""
         self._settings = settings
 
-    def measure(self, time: float, pose: Pose, bearing: float = 0.0,
+    def measure(self, time: float, pose: Pose, bearing: float = 0.0, distance: float = 0.0, *,
                 certain: bool = False) -> ObjectPose | None:
         """
         Take one measurement.
 
         :param time: now [s].
         :param bearing: direction from the object to the robot, in the object frame [rad].
+        :param distance: from the camera to the object, with which noise grows [m].
         :param certain: whether it is delivered in any case.
         :return: ``ObjectPose`` with its orientation in [-pi, pi], or None where it is lost.
         """
@@ -160,8 +163,9 @@ class PoseSensor:
         seen = self._seen(pose, bearing)
         if lost and not certain:
             return None
-        position_noise = self._settings.pose_noise
-        heading_noise = self._settings.pose_heading_noise
+        settings, camera = self._settings, self._settings.camera
+        position_noise = settings.pose_noise + camera.noise_per_distance * distance
+        heading_noise = settings.pose_heading_noise + camera.heading_noise_per_distance * distance
         return ObjectPose(time, Pose(seen.x + position_noise * e_x, seen.y + position_noise * e_y,
                                      wrap_angle(seen.theta + heading_noise * e_theta)))
 

@@ -126,8 +126,7 @@ class SimNode(PushNode):
         reached = self._simulation.time
         self._simulation.reset(object_pose)
         self._outputs.keep_clock(reached)
-        self._first_measurements = [self._simulation.next_measurement(),
-                                    self._simulation.next_measurement()]
+        self._first_measurements = self._take_first_measurements()
         self._simulation.reset(object_pose)
         self._computed: Odometry | ObjectPose | None = None
         self._in_flight: _InFlight | None = None
@@ -142,6 +141,13 @@ class SimNode(PushNode):
         self._speed_meter = SpeedMeter(time.monotonic())
         self._wake_time = 0.0
         self._report(OK, 'holds time')
+
+    def _take_first_measurements(self) -> list[Odometry | ObjectPose]:
+        """Let time go on to the first odometry, which comes after the first pose in the world."""
+        taken: list[Odometry | ObjectPose] = []
+        while not (taken and isinstance(taken[-1], Odometry)):
+            taken.append(self._simulation.next_measurement())
+        return taken
 
     def _start(self) -> ServiceAnswer:
         success = self._control.request_start(time.monotonic())

@@ -8,8 +8,10 @@ from typing import NamedTuple
 import numpy as np
 from push_dynamics.actuation import limit_command
 from push_model.geometry import FloatArray, Pose
+from push_model.odometry_history import OdometryHistory
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectPose, Odometry, STOP, Twist
+from push_sim_node.camera import Camera, relative_pose
 from push_sim_node.disturbance import change_times, friction_factors, ObjectDisplacement
 from push_sim_node.plant import Plant
 from push_sim_node.sensors import OdometrySensor, PoseSensor, SensorSettings
@@ -28,6 +30,8 @@ class _EventKind(enum.IntEnum):
     MEASURE_POSE = 0
     DELIVER_POSE = 1
     MEASURE_ODOMETRY = 2
+    # Placed by odometry of its time, which has to come first.
+    DELIVER_RELATIVE_POSE = 3
 
 
 class _Event(NamedTuple):
@@ -102,8 +106,10 @@ class Simulation:
     Simulated time, in steps from one measurement to the next.
 
     Times are whole nanoseconds inside. At time 0 the first object pose and then the first odometry
-    are delivered, without latency or loss: the object has stood still before. Of measurements that
-    are due together, object poses come first. The robot stops when no command has come for
+    are delivered, without latency or loss: the object has stood still before. Where a camera does
+    not see the object, its pose is left out. Of measurements that are due together, object poses
+    come first, but for those that are relative to the robot: odometry at their time tells where
+    they are in the world. The robot stops when no command has come for
     ``command_timeout``. Where the robot is in the way of a displacement of the object, time cannot
     go on: a ``ValueError`` says so.
 
@@ -163,6 +169,8 @@ class Simulation:
         self._pose_sensor = PoseSensor(self.sensors, pose_noise, losses, outliers)
         self._odometry_sensor = OdometrySensor(self.sensors, self.plant.robot_pose, biases,
                                                twist_noise, odometry_noise)
+        self._camera = self._make_camera()
+        self._odometry_history = OdometryHistory()
         self._set_now(0)
         # A command, and when the robot stops if no other has come [ns].
         self._command, self._deadline = STOP, 0
@@ -198,6 +206,7 @@ class Simulation:
         self.sensors = sensors
         self._pose_sensor.set_settings(sensors)
         self._odometry_sensor.set_settings(sensors)
+        self._camera = self._make_camera()
 
     def command(self, twist: Twist) -> None:
         """
@@ -221,10 +230,17 @@ class Simulation:
             self._advance_to(event.time)
             if event.kind is _EventKind.MEASURE_POSE:
                 self._measure_pose(event)
-            elif event.pose is not None:
+            elif event.pose is None:
+                return self._measure_odometry(event)
+            elif event.kind is _EventKind.DELIVER_POSE:
                 return event.pose
             else:
-                return self._measure_odometry(event)
+                placed = self._odometry_history.place(event.pose)
+                if placed is not None:
+                    return placed
+
+    def _make_camera(self) -> Camera:
+        return Camera(self.sensors.camera, self.obj, self.robot.radius)
 
     def _measure_odometry(self, event: _Event) -> Odometry:
         number = event.number + 1
@@ -233,21 +249,29 @@ class Simulation:
         self.rows.append(self.plant.row(self.time, self._active_command()))
         is_absolute = self.sensors.odometry_reference == 'absolute'
         pose = self.plant.robot_pose if is_absolute else self.plant.odometry_pose
-        return self._odometry_sensor.measure(self.time, pose, self.plant.odometry_twist)
+        measured = self._odometry_sensor.measure(self.time, pose, self.plant.odometry_twist)
+        self._odometry_history.append(measured)
+        return measured
 
     def _measure_pose(self, event: _Event) -> None:
         number = event.number + 1
         self._events.schedule(_nanoseconds(number / self.sensors.pose_rate),
                               _EventKind.MEASURE_POSE, number)
+        object_pose, robot_pose = self.plant.object_pose, self.plant.robot_pose
+        is_seen = self._camera.sees(object_pose, robot_pose)
         is_first = event.number == 0
-        object_pose = self.plant.object_pose
-        seen_from = object_pose.inverse().transform(self.plant.robot_pose[:2])
-        pose = self._pose_sensor.measure(self.time, object_pose,
-                                         math.atan2(seen_from[1], seen_from[0]), is_first)
-        if pose is not None:
-            latency = 0 if is_first else _nanoseconds(self.sensors.pose_latency)
-            self._events.schedule(event.time + latency, _EventKind.DELIVER_POSE, event.number,
-                                  pose)
+        x, y = object_pose.inverse().transform(robot_pose[:2])
+        pose = self._pose_sensor.measure(
+            self.time, object_pose, math.atan2(y, x),
+            self._camera.distance(object_pose, robot_pose), certain=is_first)
+        if pose is None or not is_seen:
+            return
+        kind = _EventKind.DELIVER_POSE
+        if self.sensors.camera.is_relative:
+            kind = _EventKind.DELIVER_RELATIVE_POSE
+            pose = pose._replace(relative=relative_pose(pose.pose, robot_pose))
+        latency = 0 if is_first else _nanoseconds(self.sensors.pose_latency)
+        self._events.schedule(event.time + latency, kind, event.number, pose)
 
     def _advance_to(self, time: int) -> None:
         """Move the plant on, with stops where command, friction or pose of the object change."""

@@ -15,7 +15,7 @@ from push_control.settings import ControlSettings
 from push_control.task.supervisor import Supervisor
 from push_model.geometry import distance
 from push_model.observation import Observation
-from push_model.signals import Odometry
+from push_model.signals import ObjectPose, Odometry
 from push_planner.problem import PlanningFailed
 from push_planner.task_planner import plan_for_request
 from push_safety.layer import SafetyLayer
@@ -144,18 +144,16 @@ def is_at_rest(truth: Truth) -> bool:
 
 def first_observation(simulation: Simulation) -> Observation:
     """
-    Wait for an object pose and an odometry; both come at time 0.
+    Wait for the first odometry; an object pose that is measured in the world comes before it.
 
     :param simulation: the ``Simulation``, at its start.
     """
-    object_pose = odometry = None
-    while object_pose is None or odometry is None:
+    object_pose: ObjectPose | None = None
+    while True:
         measurement = simulation.next_measurement()
         if isinstance(measurement, Odometry):
-            odometry = measurement
-        else:
-            object_pose = measurement
-    return Observation(simulation.time, odometry, object_pose)
+            return Observation(simulation.time, measurement, object_pose)
+        object_pose = measurement
 
 
 class ClosedLoop:

@@ -159,6 +159,9 @@ class SimOutputs:
             published = PublishedMeasurement(stamp, False, serialize_odometry(
                 measurement, stamp, (world, base), self._twist_covariance))
             self._publish_transforms(measurement.time, {base: measurement.pose})
+        elif measurement.relative is not None:
+            published = PublishedMeasurement(stamp, True, serialize_object_pose(
+                measurement._replace(pose=measurement.relative), stamp, self._frames.base_frame))
         else:
             published = PublishedMeasurement(stamp, True, serialize_object_pose(
                 measurement, stamp, world))
