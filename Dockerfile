@@ -10,6 +10,7 @@ COPY package.xml src/push_control/package.xml
 COPY push_control_msgs/package.xml src/push_control_msgs/package.xml
 RUN apt-get update \
     && apt-get install -y --no-install-recommends python3-pip \
+    && pip install 'casadi>=3.7.0' \
     && rosdep update --rosdistro jazzy \
     && rosdep install --from-paths src --ignore-src -y \
         -t buildtool -t buildtool_export -t build -t build_export -t exec \

@@ -39,9 +39,11 @@ setup(
         *data_below('config'),
         *data_below('launch'),
     ],
-    # What a robot needs besides ROS; solvers and buffers as casadi has them from 3.7.0 on.
-    install_requires=['setuptools', 'numpy', 'scipy', 'casadi>=3.7.0', 'numba', 'PyYAML'],
+    # What tasks of straight pushes need besides ROS; all of it is in Ubuntu, too.
+    install_requires=['setuptools', 'numpy', 'scipy', 'numba', 'PyYAML'],
     extras_require={
+        # Solvers and buffers as casadi has them from 3.7.0 on.
+        'steered': ['casadi>=3.7.0'],
         'cluster': ['distributed'],
         'play': ['aiohttp'],
         'plot': ['matplotlib', 'pillow', 'tqdm'],

@@ -14,11 +14,11 @@ a_C is the time derivative of the material velocity imposed at C along the motio
 from collections.abc import Iterable
 from typing import Any, NamedTuple
 
-import casadi as ca
 from push_model.friction import (
     friction_weight, LoadTransfer, slide_direction, SlidingSupport, transferred_capacities,
 )
 from push_model.parameters import PushedObject
+from push_model.trigonometry import cos_and_sin
 
 STATE = ('x', 'y', 'theta', 'omega', 'gamma', 'c_x', 'c_y')
 INPUT = ('v_x', 'v_y', 'a_x', 'a_y', 'omega_p')
@@ -152,10 +152,10 @@ def kinematics(state: Iterable[Any], inputs: Iterable[Any], omega_dot: Any,
     normal_ratio, effective_radius = rolling
     w_x, w_y = rotated(state.theta, state.c_x, state.c_y)
     slip = effective_radius * (state.omega - inputs.omega_p)
-    local = state.gamma - state.theta
+    cosine, sine = cos_and_sin(state.gamma - state.theta)
     return State(inputs.v_x + state.omega * w_y, inputs.v_y - state.omega * w_x, state.omega,
                  omega_dot, normal_ratio * state.omega + (1 - normal_ratio) * inputs.omega_p,
-                 -slip * ca.sin(local), slip * ca.cos(local))
+                 -slip * sine, slip * cosine)
 
 
 def contact_force(terms: ObjectTerms, state: Iterable[Any], inputs: Iterable[Any],
@@ -199,24 +199,6 @@ def impulse(terms: ObjectTerms, state: Iterable[Any], dv_x: Any,
     return d_omega, j_n, j_t
 
 
-def equation_of_motion(obj: PushedObject, rolling: Rolling,
-                       smoothing: Any = SMOOTHING) -> ca.Function:
-    """
-    Build the equation of motion as a casadi function.
-
-    :param rolling: (lam, R_e [m]).
-    :param smoothing: speed below which support friction becomes viscous [m/s].
-    :return: ``casadi.Function`` (state (7,), input (5,)) -> (rate (7,), contact force (2,) [N]).
-    """
-    terms = ObjectTerms.of(obj)
-    x, u = ca.SX.sym('x', len(STATE)), ca.SX.sym('u', len(INPUT))
-    state, inputs = State(*ca.vertsplit(x)), Input(*ca.vertsplit(u))
-    rate = derivative(terms, state, inputs, rolling, smoothing)
-    force = contact_force(terms, state, inputs, rate.omega, rolling, smoothing)
-    return ca.Function('motion', [x, u], [ca.vertcat(*rate), ca.vertcat(*force)],
-                       ['state', 'input'], ['rate', 'force'])
-
-
 def rotated(angle: Any, x: Any, y: Any) -> tuple[Any, Any]:
     """
     Rotate a vector, of numbers or of casadi's symbols.
@@ -226,11 +208,13 @@ def rotated(angle: Any, x: Any, y: Any) -> tuple[Any, Any]:
     :param y: of the vector.
     :return: (x, y).
     """
-    return ca.cos(angle) * x - ca.sin(angle) * y, ca.sin(angle) * x + ca.cos(angle) * y
+    cosine, sine = cos_and_sin(angle)
+    return cosine * x - sine * y, sine * x + cosine * y
 
 
 def _along_normal(gamma: Any, x: Any, y: Any) -> tuple[Any, Any]:
-    return ca.cos(gamma) * x + ca.sin(gamma) * y, ca.cos(gamma) * y - ca.sin(gamma) * x
+    cosine, sine = cos_and_sin(gamma)
+    return cosine * x + sine * y, cosine * y - sine * x
 
 
 def _lever(terms: ObjectTerms, state: State) -> tuple[Any, Any]:
@@ -243,8 +227,9 @@ def _bias(terms: ObjectTerms, state: State, inputs: Input, rolling: Rolling) -> 
     r_x, r_y = _lever(terms, state)
     _, effective_radius = rolling
     centripetal = state.omega * effective_radius * (state.omega - inputs.omega_p)
-    return (inputs.a_x - state.omega ** 2 * r_x + centripetal * ca.cos(state.gamma),
-            inputs.a_y - state.omega ** 2 * r_y + centripetal * ca.sin(state.gamma))
+    cosine, sine = cos_and_sin(state.gamma)
+    return (inputs.a_x - state.omega ** 2 * r_x + centripetal * cosine,
+            inputs.a_y - state.omega ** 2 * r_y + centripetal * sine)
 
 
 def _support_friction(terms: ObjectTerms, state: State, inputs: Input, smoothing: Any,

@@ -10,9 +10,9 @@ serve alike.
 import math
 from typing import Any
 
-import casadi as ca
 from push_model.geometry import Coordinates
 from push_model.parameters import Drive
+from push_model.trigonometry import cos_and_sin
 
 
 def yaw_rate(drive: Drive, radius: Any, pushing_angle: Any, heading_offset: Any, object_rate: Any,
@@ -34,8 +34,9 @@ def yaw_rate(drive: Drive, radius: Any, pushing_angle: Any, heading_offset: Any,
     """
     if drive == 'holonomic':
         return object_rate
-    return differential_yaw_rate(radius, speed * ca.sin(pushing_angle + heading_offset),
-                                 ca.cos(heading_offset))
+    _, sine = cos_and_sin(pushing_angle + heading_offset)
+    cosine, _ = cos_and_sin(heading_offset)
+    return differential_yaw_rate(radius, speed * sine, cosine)
 
 
 def differential_yaw_rate(radius: Any, across: Any, cosine: Any) -> Any:
@@ -61,7 +62,8 @@ def center_velocity(radius: Any, pushing_angle: Any, robot_rate: Any,
     :param speed: v_c, of the contact [m/s, or 1].
     :return: components along n and along t [m/s, or per speed].
     """
-    return speed * ca.cos(pushing_angle), speed * ca.sin(pushing_angle) - robot_rate * radius
+    cosine, sine = cos_and_sin(pushing_angle)
+    return speed * cosine, speed * sine - robot_rate * radius
 
 
 def base_velocity(heading_offset: float, robot_radius: float, velocity: Coordinates,

@@ -21,8 +21,10 @@ if TYPE_CHECKING:
     from push_planner.steered.planner import plan_push
     from push_planner.steered.replanning import plan_from_measurements
     from push_planner.steered.site_selection import choose_site, SiteChoice
+    from push_planner.steered.task_push import plan_steered_push
     from push_planner.steered.verification.verification import Verification, verify
-    from push_planner.task_planner import plan_for_request, plan_steered_push, TaskPlan
+    from push_planner.task_plan import TaskPlan
+    from push_planner.task_planner import plan_for_request
 
 __all__ = [
     'choose_site', 'InitialMotion', 'Plan', 'plan_for_request', 'plan_from_measurements',
@@ -41,5 +43,7 @@ __getattr__, __dir__ = lazy_names(__name__, {
     'push_planner.steered.replanning': ('plan_from_measurements',),
     'push_planner.steered.site_selection': ('choose_site', 'SiteChoice'),
     'push_planner.steered.verification.verification': ('Verification', 'verify'),
-    'push_planner.task_planner': ('plan_for_request', 'plan_steered_push', 'TaskPlan'),
+    'push_planner.steered.task_push': ('plan_steered_push',),
+    'push_planner.task_plan': ('TaskPlan',),
+    'push_planner.task_planner': ('plan_for_request',),
 })

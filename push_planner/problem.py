@@ -2,6 +2,7 @@
 
 import dataclasses
 import functools
+from importlib import util
 import math
 from typing import Any, Mapping, NamedTuple, Optional
 
@@ -42,6 +43,22 @@ class PlanningFailed(Exception):
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle with all arguments; an exception of itself pickles its message alone."""
         return type(self), (self.code, self.reason, self.report)
+
+
+def is_solver_installed() -> bool:
+    """Tell whether steered pushes can be planned: their solvers come with casadi."""
+    return util.find_spec('casadi') is not None
+
+
+def check_solver() -> None:
+    """
+    Refuse a steered push where it cannot be planned.
+
+    :raises PlanningFailed: with ``NO_SOLVER``.
+    """
+    if not is_solver_installed():
+        raise PlanningFailed(PlanFailure.NO_SOLVER,
+                             f'{PlanFailure.NO_SOLVER.value}: pip install casadi')
 
 
 class InitialMotion(NamedTuple):

@@ -21,7 +21,7 @@ from push_model.parameters import PushedObject, RoundRobot
 from push_model.trajectory import PushTrajectory
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.path import Path
-from push_planner.task_planner import TaskPlan
+from push_planner.task_plan import TaskPlan
 from push_scenario.definition.floor_map import FREE, OCCUPIED
 from push_scenario.definition.scenario import GoalBounds, Scenario
 from push_view.wall_contact import WallContact

@@ -8,7 +8,7 @@ from benchmarks.tasks.cases import draw
 from push_model.plan_request import PlanRequest
 from push_navigation.settings import DriveSettings
 from push_planner.problem import PlanningFailed
-from push_planner.task_planner import plan_steered_push
+from push_planner.steered.task_push import plan_steered_push
 
 # Time of settling, touch and retreat of the single push [s]; chosen.
 SWITCH_TIME = 5.0

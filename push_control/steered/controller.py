@@ -1,5 +1,6 @@
 """The controller of a push: which phase it is in, and whether the robot may move."""
 
+from importlib import util
 import math
 from typing import NamedTuple
 
@@ -271,6 +272,9 @@ def make_steering_law(robot: RoundRobot, settings: ControlSettings) -> SteeringL
     :return: ``SteeringLaw``; None for open loop.
     """
     if settings.control_law == 'mpc':
+        if util.find_spec('casadi') is None:
+            raise ValueError("control_law: got 'mpc', which needs casadi, expected 'feedback' or "
+                             "'open_loop' where that is not installed")
         # Imported here: the other laws need neither casadi nor scipy.
         from push_control.steered.laws.mpc import PredictiveLaw
         return PredictiveLaw(robot, settings)

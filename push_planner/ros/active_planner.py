@@ -12,7 +12,7 @@ from builtin_interfaces.msg import Time
 from push_model.geometry import distance, Pose
 from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.signals import ObjectPose, Odometry, STOP
-from push_planner.problem import PlanningFailed
+from push_planner.problem import check_solver, PlanningFailed
 from push_planner.ros.parameters import PlannerParameters
 from push_planner.ros.task_requests import TaskRequestHandler
 from push_ros.conversions.map import map_text
@@ -286,6 +286,7 @@ class ActivePlanner:
 
     def _plan_push(self, request: PlanRequest, stamp: Time) -> str:
         """Plan one push from the newest measurements, and publish it."""
+        check_solver()
         from push_planner.steered.replanning import plan_from_measurements
         self._pending = None
         parameters, (measured, odometry) = self._parameters, self._measurements()

@@ -12,7 +12,8 @@ from push_planner.ros.primitive_loader import PrimitiveLoader
 from push_planner.straight.map_search.planner import warm_up as warm_up_search
 from push_planner.straight.map_search.remaining_pushes import RemainingPushes
 from push_planner.straight.planner import warm_up
-from push_planner.task_planner import plan_for_request, TaskPlan
+from push_planner.task_plan import TaskPlan
+from push_planner.task_planner import plan_for_request
 from push_ros.conversions.plan import to_path_message, to_plan_message
 from push_ros.conversions.plan_request import from_request_message
 from push_ros.map_reader import MapChange, MapReader, ReadMap

@@ -12,14 +12,13 @@ the contact travels along a face and R_disc the object's radius where it travels
 """
 
 from collections.abc import Sequence
-import math
 from typing import Any, Literal, NamedTuple
 
-import casadi as ca
 import numpy as np
 from push_model.dynamics import ObjectTerms
 from push_model.friction import LoadTransfer, SupportTransfer
 from push_model.geometry import FloatArray
+from push_model.trigonometry import cos_and_sin
 
 # How the contact moves with the robot: held in place on the object by a robot that rotates with
 # it, rolling on a robot that does not rotate, or held by a differential drive, which steers.
@@ -101,6 +100,8 @@ class PushParameters(NamedTuple):
 
         :return: (``PushParameters`` of symbols, the same as one column).
         """
+        # Imported here: numbers need no casadi.
+        import casadi as ca
         column = ca.SX.sym('parameters', supports.column_size)
         scalars = ca.vertsplit(column)
         end = PARAMETER_COUNT + 3 * supports.support_count
@@ -142,19 +143,6 @@ def contact_frame(parameters: PushParameters, theta: Any, phi: Any) -> ContactFr
     return ContactFrame(delta,
                         parameters.base_x - travel * n_y - parameters.disc_radius * n_x,
                         parameters.base_y + travel * n_x - parameters.disc_radius * n_y)
-
-
-def cos_and_sin(angle: Any) -> tuple[Any, Any]:
-    """
-    Cosine and sine of a number, an array or a casadi symbol.
-
-    :param angle: the angle [rad].
-    """
-    if isinstance(angle, float):
-        return math.cos(angle), math.sin(angle)
-    # casadi would take arrays apart.
-    trig = np if isinstance(angle, np.ndarray) else ca
-    return trig.cos(angle), trig.sin(angle)
 
 
 def contact_frames(parameters: PushParameters, theta: FloatArray, phi: FloatArray) -> ContactFrame:

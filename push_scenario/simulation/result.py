@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from push_control.task.status import StateChange, SupervisorStatus, TaskState
 from push_model.geometry import distance, wrap_angle
 from push_model.trajectory import PushTrajectory
-from push_planner.task_planner import TaskPlan
+from push_planner.task_plan import TaskPlan
 from push_scenario.definition.scenario import Scenario
 from push_sim_node.tape import Tape
 

@@ -17,13 +17,14 @@ from push_control.task.supervisor import Supervisor
 from push_model.geometry import Pose
 from push_model.observation import Observation
 from push_model.plan_request import PlanFailure, PlanRequest
-from push_model.signals import ObjectPose, Twist
+from push_model.signals import ObjectPose, Odometry, Twist
 from push_model.trajectory import PushTrajectory
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.settings import DriveSettings
-from push_planner.problem import PlanningFailed
-from push_planner.steered.replanning import plan_from_measurements
-from push_planner.task_planner import plan_for_request, TaskPlan
+from push_planner.problem import check_solver, PlanningFailed
+from push_planner.settings import PlannerSettings
+from push_planner.task_plan import TaskPlan
+from push_planner.task_planner import plan_for_request
 from push_safety.status import SafetyReport
 from push_scenario.definition.scenario import Scenario
 from push_scenario.definition.task import Task
@@ -142,10 +143,8 @@ class SinglePushControl(RobotControl):
         self._ending: Ending | None = None
         self._plan: PushTrajectory | None = None
         try:
-            self._plan = plan_from_measurements(
-                scenario.object, scenario.robot, observation.object_pose, observation.odometry,
-                self.goal, scenario.planner, tolerances=scenario.control.tolerances
-            ).plan.trajectory
+            self._plan = self._plan_from(observation.object_pose, observation.odometry,
+                                         scenario.planner)
         except PlanningFailed as failure:
             self._ending = _ending_at_goal(failure)
             if self._ending is None:
@@ -181,11 +180,18 @@ class SinglePushControl(RobotControl):
         """Plan from where robot and object are estimated to be."""
         status, odometry = self.supervisor.status.push, observation.odometry
         measured = ObjectPose(odometry.time, status.object_pose)
-        replanned = plan_from_measurements(
-            self._scenario.object, self._scenario.robot, measured,
-            odometry._replace(pose=status.robot_pose), self.goal, self._replan_settings,
-            tolerances=self._scenario.control.tolerances)
-        return replanned.plan.trajectory
+        return self._plan_from(measured, odometry._replace(pose=status.robot_pose),
+                               self._replan_settings)
+
+    def _plan_from(self, measured: ObjectPose, odometry: Odometry,
+                   settings: PlannerSettings) -> PushTrajectory:
+        check_solver()
+        # Imported here: straight pushes need no casadi.
+        from push_planner.steered.replanning import plan_from_measurements
+        scenario = self._scenario
+        return plan_from_measurements(
+            scenario.object, scenario.robot, measured, odometry, self.goal, settings,
+            tolerances=scenario.control.tolerances).plan.trajectory
 
 
 class TaskControl(RobotControl):

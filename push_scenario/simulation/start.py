@@ -2,8 +2,7 @@
 
 import dataclasses
 
-from push_planner.problem import PlanningFailed
-from push_planner.steered.site_selection import choose_site
+from push_planner.problem import check_solver, PlanningFailed
 from push_scenario.definition.placement import Placement
 from push_scenario.definition.scenario import Scenario
 
@@ -19,6 +18,9 @@ def place_robot(scenario: Scenario) -> Scenario:
     if start.is_robot_specified:
         return scenario
     try:
+        check_solver()
+        # Imported here: straight pushes need no casadi.
+        from push_planner.steered.site_selection import choose_site
         choice = choose_site(scenario.object, scenario.robot, start.object.pose,
                              scenario.goal.pose, scenario.planner)
     except PlanningFailed as failure:

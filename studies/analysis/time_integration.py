@@ -16,9 +16,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 from push_model.contact import contact_point, face_normal
-from push_model.dynamics import (
-    equation_of_motion, impulse, INPUT, Input, ObjectTerms, Rolling, STATE, State,
-)
+from push_model.dynamics import impulse, INPUT, Input, ObjectTerms, Rolling, STATE, State
+from push_model.equation_of_motion import equation_of_motion
 from push_model.geometry import FloatArray, Pose
 from push_model.parameters import Contact, PushedObject
 from scipy.integrate import solve_ivp

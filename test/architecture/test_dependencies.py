@@ -14,13 +14,14 @@ import yaml
 
 NAME = re.compile(r'[\w.-]+')
 # Names of the same things for pip and for rosdep.
-ROSDEP_KEYS = {'numpy': 'python3-numpy', 'scipy': 'python3-scipy', 'casadi': 'casadi-pip',
-               'numba': 'python3-numba', 'pyyaml': 'python3-yaml', 'setuptools': None}
-EXTRA_KEYS = {'python3-aiohttp', 'python3-matplotlib', 'python3-pil', 'python3-rosbags-pip',
-              'python3-tqdm', 'python3-mujoco-pip', 'python3-pytest', 'rviz2'}
+ROSDEP_KEYS = {'numpy': 'python3-numpy', 'scipy': 'python3-scipy', 'numba': 'python3-numba',
+               'pyyaml': 'python3-yaml', 'setuptools': None}
+EXTRA_KEYS = {'casadi-pip', 'python3-aiohttp', 'python3-matplotlib', 'python3-pil',
+              'python3-rosbags-pip', 'python3-tqdm', 'python3-mujoco-pip', 'python3-pytest',
+              'rviz2'}
 # Modules that the extras bring, some of them through others.
-EXTRA_MODULES = ['aiohttp', 'dask', 'distributed', 'hypothesis', 'matplotlib', 'mcap', 'mujoco',
-                 'PIL', 'rosbags', 'selenium', 'tqdm']
+EXTRA_MODULES = ['aiohttp', 'casadi', 'dask', 'distributed', 'hypothesis', 'matplotlib', 'mcap',
+                 'mujoco', 'PIL', 'rosbags', 'selenium', 'tqdm']
 IMPORT_WITHOUT = """
 import importlib, sys
 modules, absent = (text.split(',') for text in sys.argv[1:])
@@ -28,6 +29,14 @@ sys.modules.update(dict.fromkeys(absent))
 for module in modules:
     importlib.import_module(module)
 print('imported')
+"""
+RUN_WITHOUT_SOLVER = """
+import sys
+sys.modules['casadi'] = None
+from push_scenario.definition.loader import load_scenario
+from push_scenario.simulation.loop import simulate
+result = simulate(load_scenario(sys.argv[1]))
+print(result.outcome.value, result.reason or '-')
 """
 
 
@@ -107,3 +116,15 @@ def test_nodes_need_no_extra():
         cwd=ROOT, env={**os.environ, 'PYTHONPATH': os.pathsep.join([str(Path(ROOT)), *sys.path])},
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     assert done.stdout == 'imported\n'
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('scenario, outcome', [('task_turn', 'done'),
+                                               ('straight_push', 'refused')])
+def test_tasks_need_no_solver_and_steered_pushes_say_so(scenario, outcome):
+    """A task of straight pushes ends at its goal without casadi; a steered one names it."""
+    done = subprocess.run([sys.executable, '-c', RUN_WITHOUT_SOLVER, scenario], cwd=ROOT,
+                          check=True, capture_output=True, text=True)
+    ending, reason = done.stdout.splitlines()[-1].split(maxsplit=1)
+    assert ending == outcome
+    assert ('casadi' in reason) == (outcome == 'refused')

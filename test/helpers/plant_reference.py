@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 from push_model.contact import rolling_constants
-from push_model.dynamics import equation_of_motion
+from push_model.equation_of_motion import equation_of_motion
 from push_model.geometry import closest_on_polygon, Pose
 from push_model.parameters import RoundRobot
 from scipy.integrate import solve_ivp

@@ -7,9 +7,9 @@ from helpers.objects import bin_, box
 import numpy as np
 from push_model.contact import rolling_constants
 from push_model.dynamics import (
-    contact_force, derivative, equation_of_motion, impulse, Input, kinematics, moment_balance,
-    ObjectTerms, State, yaw_acceleration,
-)
+    contact_force, derivative, impulse, Input, kinematics, moment_balance, ObjectTerms, State,
+    yaw_acceleration)
+from push_model.equation_of_motion import equation_of_motion
 from push_model.parameters import GRAVITY
 from push_model.quasi_static import quasi_static_yaw_rate
 import pytest

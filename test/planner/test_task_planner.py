@@ -14,7 +14,9 @@ from push_planner.problem import PlanningFailed
 from push_planner.settings import PlannerSettings
 from push_planner.steered.contact_sites import site_problems
 from push_planner.steered.site_selection import fastest_push
-from push_planner.task_planner import plan_for_request, plan_steered_push, TaskPlan
+from push_planner.steered.task_push import plan_steered_push
+from push_planner.task_plan import TaskPlan
+from push_planner.task_planner import plan_for_request
 import pytest
 
 pytestmark = pytest.mark.slow

@@ -23,7 +23,8 @@ from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.signals import ObjectPose, Odometry, STOP
 from push_model.trajectory import PushStyle
 from push_navigation.occupancy_map import OccupancyMap
-from push_planner.task_planner import plan_for_request, TaskPlan
+from push_planner.task_plan import TaskPlan
+from push_planner.task_planner import plan_for_request
 from push_ros.conversions.map import to_map_message
 from push_ros.conversions.measurements import (
     from_object_pose_message, to_object_pose_message, to_odometry_message,

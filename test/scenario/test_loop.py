@@ -5,7 +5,7 @@ import itertools
 
 import numpy as np
 from push_model.signals import Odometry, STOP
-from push_planner.task_planner import plan_steered_push
+from push_planner.steered.task_push import plan_steered_push
 from push_scenario.definition.loader import load_scenario
 from push_scenario.definition.task import Task
 from push_scenario.evaluation.metrics import is_as_expected, measure

@@ -25,8 +25,8 @@ from push_model.dynamics import contact_force, impulse, Input, kinematics, momen
 from push_model.geometry import FloatArray
 from push_model.parameters import Drive
 from push_model.robot_kinematics import center_velocity, yaw_rate
-from push_planner.steered.push_parameters import (
-    contact_frame, cos_and_sin, PushKind, PushParameters)
+from push_model.trigonometry import cos_and_sin
+from push_planner.steered.push_parameters import contact_frame, PushKind, PushParameters
 
 
 class Node(NamedTuple):

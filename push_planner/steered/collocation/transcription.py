@@ -18,6 +18,7 @@ from typing import Any, NamedTuple, Optional
 
 import casadi as ca
 import numpy as np
+from push_model.trigonometry import cos_and_sin
 from push_planner.steered.collocation.collocation import (
     collocate, contact_impulse, force_at_start, IntegrationStep, Node, robot_speed_squared,
     robot_yaw_rate,
@@ -25,9 +26,7 @@ from push_planner.steered.collocation.collocation import (
 from push_planner.steered.collocation.dimensions import (
     BoundaryValues, Constraint, Dimensions, Limits, StepData,
 )
-from push_planner.steered.push_parameters import (
-    contact_frame, cos_and_sin, PushKind, PushParameters,
-)
+from push_planner.steered.push_parameters import contact_frame, PushKind, PushParameters
 
 # Sliding speed over the pushing speed below which the supports' friction becomes viscous. Chosen:
 # small against the speeds of supports off the centre of rotation, and smooth enough for Newton.

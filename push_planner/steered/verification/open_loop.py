@@ -10,7 +10,8 @@ import math
 from typing import Any, NamedTuple, Optional
 
 import numpy as np
-from push_model.dynamics import equation_of_motion, impulse, Input, ObjectTerms, State
+from push_model.dynamics import impulse, Input, ObjectTerms, State
+from push_model.equation_of_motion import equation_of_motion
 from push_model.geometry import FloatArray
 from push_model.quasi_static import quasi_static_yaw_rate
 from push_model.robot_kinematics import yaw_rate

@@ -5,7 +5,8 @@ from typing import Mapping, NamedTuple
 
 from matplotlib.figure import Figure
 import numpy as np
-from push_model.dynamics import equation_of_motion, Input, State
+from push_model.dynamics import Input, State
+from push_model.equation_of_motion import equation_of_motion
 from push_model.geometry import FloatArray
 from push_model.parameters import Contact, PushedObject, Support
 from studies.analysis.pushing_location import pushing_location, PushingLocation

@@ -21,7 +21,9 @@ from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.signals import ObjectPose, Odometry, STOP
 from push_navigation.settings import DriveSettings
 from push_planner.settings import PlannerSettings
-from push_planner.task_planner import plan_for_request, plan_steered_push, TaskPlan
+from push_planner.steered.task_push import plan_steered_push
+from push_planner.task_plan import TaskPlan
+from push_planner.task_planner import plan_for_request
 from push_scenario.definition.scenario import Placement, Scenario, Start
 from push_scenario.definition.task import Task
 from push_scenario.simulation.loop import simulate

@@ -11,8 +11,8 @@ from push_planner.problem import PlanningFailed, problem_from_placement
 from push_planner.settings import PlannerSettings
 from push_planner.steered.planner import plan_push
 from push_planner.steered.verification.verification import verify
+from push_planner.steered.task_push import plan_steered_push
 from push_planner.straight.planner import checked_request
-from push_planner.task_planner import plan_steered_push
 import pytest
 
 HIGH = box(contact_height=0.2, center_of_mass_height=0.3)

@@ -8,7 +8,7 @@ from helpers.objects import bin_, box
 from helpers.plant_reference import ramp_robot
 import numpy as np
 from push_model.contact import contact_point, normal_range, rolling_constants
-from push_model.dynamics import equation_of_motion
+from push_model.equation_of_motion import equation_of_motion
 from push_model.geometry import Pose
 from push_model.parameters import Contact, Support
 from push_model.quasi_static import quasi_static_yaw_rate
