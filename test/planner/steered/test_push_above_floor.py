@@ -10,8 +10,8 @@ from push_navigation.settings import DriveSettings
 from push_planner.problem import PlanningFailed, problem_from_placement
 from push_planner.settings import PlannerSettings
 from push_planner.steered.planner import plan_push
-from push_planner.steered.verification.verification import verify
 from push_planner.steered.task_push import plan_steered_push
+from push_planner.steered.verification.verification import verify
 from push_planner.straight.planner import checked_request
 import pytest
 
