@@ -58,6 +58,7 @@ setup(
             'calibrate = push_ros.start:calibrate',
             'controller = push_ros.start:controller',
             'identify = push_ros.start:identify',
+            'mocap_odometry = push_ros.start:mocap_odometry',
             'planner = push_ros.start:planner',
             'play = push_ros.start:play',
             'replay = push_ros.start:replay',

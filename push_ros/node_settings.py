@@ -131,6 +131,24 @@ class TrackerOptions:
 
 
 @dataclasses.dataclass(frozen=True)
+class MocapOptions:
+    """Frames of the odometry that is made of motion capture."""
+
+    world_frame: str = quantity('frame of the poses, and of the published odometry',
+                                default='odom')
+    base_frame: str = quantity('frame of the robot', default='base_link')
+    robot_frame: str = quantity('tf frame of the rigid body on the robot; empty: its poses come '
+                                'on robot_pose', default='')
+
+    def __post_init__(self):
+        """Validate the fields."""
+        check(self)
+        for name in ('world_frame', 'base_frame'):
+            if not getattr(self, name):
+                raise ValueError(f'MocapOptions.{name}: got an empty text, expected a frame id')
+
+
+@dataclasses.dataclass(frozen=True)
 class SimOptions:
     """How the simulator's node behaves."""
 

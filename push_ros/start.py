@@ -15,6 +15,7 @@ from types import FrameType, ModuleType
 # Module and class of each node, and module of each other command, which has a function main.
 NODES = {'controller': ('push_control.controller_node', 'ControllerNode'),
          'planner': ('push_planner.planner_node', 'PlannerNode'),
+         'mocap_odometry': ('push_tracker.mocap_node', 'MocapNode'),
          'sim': ('push_sim_node.sim_node', 'SimNode'),
          'tf_tracker': ('push_tracker.tracker_node', 'TrackerNode')}
 # A node with options of its own, which its function main reads.
@@ -40,6 +41,11 @@ def planner() -> int:
 def sim() -> int:
     """Run the simulator; return its exit status."""
     return start('sim')
+
+
+def mocap_odometry() -> int:
+    """Run the odometry of motion capture; return its exit status."""
+    return start('mocap_odometry')
 
 
 def tf_tracker() -> int:

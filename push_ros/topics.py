@@ -18,6 +18,7 @@ PLANNER = 'push_planner'
 CONTROLLER = 'push_controller'
 SIM = 'push_sim'
 TRACKER = 'push_tracker'
+MOCAP = 'mocap_odometry'
 
 
 # Longest message whose parts are read one by one [bytes]; chosen: a plan of 40 m with the default
@@ -88,12 +89,14 @@ def interface_name(kind: type) -> str:
 
 
 TOPICS = {
-    'odom': Topic(Odometry, (SIM,), (PLANNER, CONTROLLER), qos.MEASUREMENT, qos.SENSOR,
+    'odom': Topic(Odometry, (SIM, MOCAP), (PLANNER, CONTROLLER), qos.MEASUREMENT, qos.SENSOR,
                   'robot pose in the world frame, velocity in robot axes'),
     'object_pose': Topic(PoseStamped, (SIM, TRACKER), (PLANNER, CONTROLLER), qos.MEASUREMENT,
                          qos.SENSOR,
                          'measured object pose; PoseWithCovarianceStamped with '
                          'object_pose_with_covariance'),
+    'robot_pose': Topic(PoseStamped, (), (MOCAP,), qos.MEASUREMENT, qos.SENSOR,
+                        'pose of the rigid body on the robot, as motion capture has it'),
     'goal_pose': Topic(PoseStamped, (), (CONTROLLER,), qos.EVENT, qos.EVENT,
                        "goal pose of the object; RViz's 2D Goal Pose"),
     'map': Topic(OccupancyGrid, (), (PLANNER, CONTROLLER), qos.LATCHED, qos.LATCHED,
@@ -122,8 +125,8 @@ TOPICS = {
                           'the plan, and the object at its goal'),
     'footprint': Topic(PolygonStamped, (CONTROLLER,), (), qos.EVENT, qos.EVENT,
                        'outline of the robot, and of an object that it pushes'),
-    'diagnostics': Topic(DiagnosticArray, (PLANNER, CONTROLLER, SIM, TRACKER), (), qos.STATUS,
-                         qos.STATUS,
+    'diagnostics': Topic(DiagnosticArray, (PLANNER, CONTROLLER, SIM, TRACKER, MOCAP), (),
+                         qos.STATUS, qos.STATUS,
                          'state of each node, and why it stops, on /diagnostics',
                          is_global=True),
 }

@@ -22,8 +22,8 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.task import Future
 
-EXECUTABLES = {'controller': 'push_controller', 'planner': 'push_planner', 'sim': 'push_sim',
-               'tf_tracker': 'push_tracker'}
+EXECUTABLES = {'controller': 'push_controller', 'mocap_odometry': 'mocap_odometry',
+               'planner': 'push_planner', 'sim': 'push_sim', 'tf_tracker': 'push_tracker'}
 # The tracker starts only where tf2_msgs is installed, and with the tags of an object.
 STARTED = [name for name in EXECUTABLES if name != 'tf_tracker']
 PATIENCE = 400.0
