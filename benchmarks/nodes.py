@@ -1,5 +1,5 @@
 """
-What the nodes cost: time to start, CPU while idle and while they do a task, latency.
+What the nodes cost: time to start, CPU while idle and while they do a task, memory, latency.
 
 Simulator, planner and controller run as processes of their own on the clock of the wall, with the
 parameters of ``config/push.yaml``. Prints a Markdown table, and what a reference loop took
@@ -31,7 +31,7 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
-DESCRIPTION = 'What the nodes cost: time to start, CPU, latency from pose to command.'
+DESCRIPTION = 'What the nodes cost: time to start, CPU, memory, latency from pose to command.'
 MODULES = {SIM: 'push_sim_node.sim_node', PLANNER: 'push_planner.planner_node',
            CONTROLLER: 'push_control.controller_node'}
 PLANNER_SECTION = f'/**/{PLANNER}'
@@ -125,6 +125,12 @@ def cpu_time(pid: int) -> float:
     return (int(fields[11]) + int(fields[12])) / os.sysconf('SC_CLK_TCK')
 
 
+def resident_memory(pid: int) -> float:
+    """Read the resident memory of a process [B], as Linux counts it."""
+    pages = int(Path(f'/proc/{pid}/statm').read_text(encoding='ascii').split()[1])
+    return pages * os.sysconf('SC_PAGE_SIZE')
+
+
 def reference_loop() -> float:
     """Measure the CPU time of a million additions [s]."""
     began = time.process_time()
@@ -195,18 +201,21 @@ def measure(folder: Path) -> dict[str, Any]:
         working = shares(processes, seen, lambda: seen.texts[CONTROLLER].startswith(
             ('task: done', 'task: failed')), TIMEOUT)
         outcome, duration = seen.texts[CONTROLLER], time.monotonic() - began
+        memory = {name: resident_memory(processes.pid(name)) for name in processes.names}
         processes.stop_all()
     found = latencies(seen.arrivals['object_pose'], seen.arrivals['cmd_vel'])
-    return {'starts': starts, 'idle': idle, 'working': working, 'outcome': outcome,
-            'duration': duration, 'latencies': found}
+    return {'starts': starts, 'idle': idle, 'working': working, 'memory': memory,
+            'outcome': outcome, 'duration': duration, 'latencies': found}
 
 
 def report(found: dict[str, Any], loops: list[float]) -> str:
     """Format what was measured as Markdown."""
-    rows = ['| node | first message | ready for a goal | CPU by then | CPU idle | CPU in a task |',
-            '| --- | --- | --- | --- | --- | --- |']
+    rows = ['| node | first message | ready for a goal | CPU by then | CPU idle | CPU in a task '
+            '| memory |',
+            '| --- | --- | --- | --- | --- | --- | --- |']
     rows += [f'| `{name}` | {times.first_message:.1f} s | {times.ready:.1f} s | {times.cpu:.1f} s '
-             f'| {found["idle"][name]:.1%} | {found["working"][name]:.1%} |'
+             f'| {found["idle"][name]:.1%} | {found["working"][name]:.1%} '
+             f'| {found["memory"][name] / 1e6:.0f} MB |'
              for name, times in found['starts'].items()]
     median, worst = np.percentile(found['latencies'], (50, 99)) * 1e3
     return '\n'.join([

@@ -6,14 +6,13 @@ and, as in lockstep time waits for answers, time on the wall for a second of sim
 """
 
 from collections.abc import Sequence
-import os
 from pathlib import Path
 import tempfile
 import time
 from typing import NamedTuple
 
 from benchmarks.faults.row import append_line, read_lines
-from benchmarks.nodes import cpu_time
+from benchmarks.nodes import cpu_time, resident_memory
 from diagnostic_msgs.msg import DiagnosticArray
 import numpy as np
 from push_control.task.status import TaskState
@@ -174,8 +173,7 @@ def sample(pid: int, cpu_before: float) -> Sample:
     :param cpu_before: CPU time that it had taken before [s].
     """
     folder = Path(f'/proc/{pid}')
-    pages = int((folder / 'statm').read_text(encoding='ascii').split()[1])
-    return Sample(1e-6 * pages * os.sysconf('SC_PAGE_SIZE'), len(list((folder / 'fd').iterdir())),
+    return Sample(1e-6 * resident_memory(pid), len(list((folder / 'fd').iterdir())),
                   len(list((folder / 'task').iterdir())), cpu_time(pid) - cpu_before)
 
 

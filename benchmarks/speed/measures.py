@@ -17,6 +17,7 @@ import time
 from typing import NamedTuple
 
 from benchmarks.controller.timing import timed
+from benchmarks.nodes import resident_memory
 from benchmarks.plant.mujoco_scene import MujocoPlant
 import numpy as np
 from push_model.files.data import config_file
@@ -144,11 +145,5 @@ def memory_growth(plans: int) -> float:
         plan_straight_push(PlanRequest(Pose(0.0, 0.0, 0.0), Pose(-1.0, 0.0, 0.0), goal,
                                        scenario.object), scenario.robot, drive=task.drive)
         if number + 1 == FIRST_PLANS:
-            first = resident_memory()
-    return resident_memory() / first
-
-
-def resident_memory() -> float:
-    """Read the resident memory of this process [B], as Linux counts it."""
-    pages = int(Path('/proc/self/statm').read_text(encoding='ascii').split()[1])
-    return pages * os.sysconf('SC_PAGE_SIZE')
+            first = resident_memory(os.getpid())
+    return resident_memory(os.getpid()) / first
