@@ -5,6 +5,7 @@ import enum
 import math
 from typing import NamedTuple
 
+from push_model.events import AnyReport
 from push_model.geometry import Pose
 from push_model.plan_request import MAX_TOLERANCE, MIN_TOLERANCE
 
@@ -107,7 +108,7 @@ class GoalProgress(NamedTuple):
     How far the pursuit of a goal has come.
 
     :param state: what the robot does, a ``PushState``.
-    :param reason: why, or what is wrong, one sentence; empty while all is well.
+    :param cause: ``Report`` of why, or of what is wrong; None while all is well.
     :param outcome: the ``GoalOutcome``, once the robot has ended by itself; else None.
     :param pushes: number of pushes begun.
     :param position_error: distance of the object from its goal as last measured or estimated [m];
@@ -116,7 +117,7 @@ class GoalProgress(NamedTuple):
     """
 
     state: PushState = PushState.IDLE
-    reason: str = ''
+    cause: AnyReport | None = None
     outcome: GoalOutcome | None = None
     pushes: int = 0
     position_error: float = math.nan

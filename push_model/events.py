@@ -2,19 +2,39 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 import dataclasses
 import enum
-from typing import Any, Generic, Mapping, TypeVar
+from typing import Any, Generic, TypeVar
 
-Reason = TypeVar('Reason', bound=enum.Enum)
+SomeCause = TypeVar('SomeCause', bound='Cause')
+ReportedCause = TypeVar('ReportedCause', bound='Cause', covariant=True)
 
 
-class PushEvent(enum.Enum):
+class Cause(enum.Enum):
     """
-    Something out of the ordinary during a push.
+    Something that can happen; a base without members.
 
-    The value is the template of the sentence that tells it; ``report`` fills in the numbers.
+    The value of a member is the template of the sentence that tells it; ``report`` fills in the
+    values. Messages and files carry the name, as ``SafetyReason.NOT_MOVING``.
     """
+
+    def report(self: SomeCause, **values: Any) -> Report[SomeCause]:
+        """
+        Tell that this has happened.
+
+        :param values: what the sentence names, in its units; the ``Report`` of something else
+            that it quotes, or the code of it.
+        """
+        return Report(self, values)
+
+
+# Codes of what has happened, from the event itself to what is behind it.
+Codes = tuple[enum.Enum, ...]
+
+
+class PushEvent(Cause):
+    """Something out of the ordinary during a push."""
 
     # The robot waits: the measurements cannot be used.
     ODOMETRY_NOT_FINITE = 'odometry is not finite'
@@ -91,43 +111,58 @@ class PushEvent(enum.Enum):
     PLAN_EXCEEDS_FLOOR = (
         '{failure}; another plan would need more floor or length than the first one')
 
-    def report(self, **values: Any) -> EventReport:
-        """
-        Tell that this has happened.
-
-        :param values: the numbers that the sentence names, in its units.
-        """
-        return Report(self, values)
-
 
 @dataclasses.dataclass(frozen=True)
-class Report(Generic[Reason]):
+class Report(Generic[ReportedCause]):
     """
-    What has happened, and the numbers that belong to it; ``str`` gives the sentence.
+    What has happened, and the values that belong to it; ``str`` gives the sentence.
 
-    :param reason: what has happened; its value is the template of its sentence.
-    :param values: the numbers that its sentence names.
+    :param code: what has happened, a member of a ``Cause``.
+    :param values: what its sentence names.
     """
 
-    reason: Reason
+    code: ReportedCause
     values: Mapping[str, Any] = dataclasses.field(default_factory=dict[str, Any])
 
     def __str__(self) -> str:
         """Return the sentence."""
-        return self.reason.value.format(**self.values)
+        return self.code.value.format(**self.values)
+
+    @property
+    def codes(self) -> Codes:
+        """Its code, and those of what its sentence quotes."""
+        return self.code, *self._quoted_codes()
+
+    def _quoted_codes(self) -> Iterator[enum.Enum]:
+        for value in self.values.values():
+            if isinstance(value, Report):
+                yield from value.codes
+            elif isinstance(value, enum.Enum):
+                yield value
 
 
+AnyReport = Report[Cause]
 EventReport = Report[PushEvent]
 # The object does not seem to be where it was pushed to.
 UNBELIEVED_POSES = (
     PushEvent.OBJECT_ELSEWHERE, PushEvent.OBJECT_POSES_SCATTER, PushEvent.OBJECT_STAYS_BEHIND)
 
 
-def sentence(report: EventReport | None) -> str:
+def sentence(report: AnyReport | None) -> str:
     """
     Put an event into words.
 
-    :param report: ``EventReport``, or None.
+    :param report: ``Report``, or None.
     :return: one sentence; empty where nothing has happened.
     """
     return '' if report is None else str(report)
+
+
+def codes(report: AnyReport | None) -> Codes:
+    """
+    List the codes of an event.
+
+    :param report: ``Report``, or None.
+    :return: none where nothing has happened.
+    """
+    return () if report is None else report.codes

@@ -16,7 +16,7 @@ from push_model.geometry import BoolArray, Coordinates, FloatArray, IntArray, Po
 from push_navigation.map_clearance import MapClearance
 from push_navigation.obstacle import InflatedObstacle
 from push_navigation.occupancy_map import OccupancyMap
-from push_navigation.path import NoPathFound, Waypoint
+from push_navigation.path import NoPathFound, PathFailure, Waypoint
 
 # Steps to the right and up to half of the neighbours of a grid point; the others link to it.
 NEIGHBOURS = ((1, 0), (0, 1), (1, 1), (1, -1))
@@ -80,7 +80,7 @@ def grid_waypoints(margins: MapClearance, body: InflatedObstacle, object_pose: P
         corners = _route_in_window(space, margins, ends, window)
         if corners is not None:
             return [Waypoint(float(x), float(y)) for x, y in corners[1:]]
-    raise NoPathFound('obstacles of the map, or the object between them, are in the way')
+    raise NoPathFound(PathFailure.NO_ROUTE.report())
 
 
 def _route_in_window(space: '_FreeSpace', margins: MapClearance, ends: FloatArray,

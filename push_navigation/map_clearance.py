@@ -25,7 +25,7 @@ import numpy as np
 from push_model.geometry import FloatArray, Pose
 from push_model.parameters import RoundRobot
 from push_navigation.occupancy_map import OccupancyMap
-from push_navigation.path import NoPathFound
+from push_navigation.path import NoPathFound, PathFailure
 from push_navigation.settings import DriveSettings
 
 # Clearance that a robot gains per distance from a start where it has less than it should; chosen:
@@ -175,15 +175,12 @@ def map_clearance(robot: RoundRobot, start: Pose, goal: Pose, settings: DriveSet
     """
     here, there = context.occupancy_map.clearance([start[:2], goal[:2]]).tolist()
     if here < robot.radius:
-        raise NoPathFound(f'the robot at {start.x:.2f} m, {start.y:.2f} m is in an obstacle of '
-                          'the map, or too near to one')
+        raise NoPathFound(PathFailure.START_IN_OBSTACLE.report(x=start.x, y=start.y))
     gap = here - robot.radius
     margins = MapClearance(context, robot.radius, start[:2], min(settings.map_clearance, gap), gap)
     if there < margins.radius + margins.margin:
-        raise NoPathFound(f'the goal of the path, {goal.x:.2f} m, {goal.y:.2f} m, is too near to '
-                          'an obstacle of the map')
+        raise NoPathFound(PathFailure.GOAL_NEAR_OBSTACLE.report(x=goal.x, y=goal.y))
     least = margins._replace(counts_drift=False).required(np.array([goal[:2]]))
     if there < float(least[0]):
-        raise NoPathFound('the place of the robot is too uncertain for the goal of its path, '
-                          f'{goal.x:.2f} m, {goal.y:.2f} m, so near to an obstacle of the map')
+        raise NoPathFound(PathFailure.GOAL_TOO_UNCERTAIN.report(x=goal.x, y=goal.y))
     return margins

@@ -7,6 +7,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from push_model.events import Cause, Report
 from push_model.geometry import Coordinates, distance, FloatArray, Pose, wrap_angle
 from push_model.parameters import RoundRobot
 
@@ -18,16 +19,34 @@ MIN_LENGTH = 1e-6
 MIN_ROTATION = 1e-3
 
 
+class PathFailure(Cause):
+    """Why there is no path."""
+
+    START_IN_OBJECT = 'the start of the path lies {overlap:.3f} m inside the object'
+    GOAL_IN_OBJECT = 'the goal of the path lies {overlap:.3f} m inside the object'
+    START_IN_OBSTACLE = (
+        'the robot at {x:.2f} m, {y:.2f} m is in an obstacle of the map, or too near to one')
+    GOAL_NEAR_OBSTACLE = (
+        'the goal of the path, {x:.2f} m, {y:.2f} m, is too near to an obstacle of the map')
+    GOAL_TOO_UNCERTAIN = (
+        'the place of the robot is too uncertain for the goal of its path, {x:.2f} m, {y:.2f} m, '
+        'so near to an obstacle of the map')
+    NO_ROUTE = 'obstacles of the map, or the object between them, are in the way'
+    ROBOT_TOO_UNCERTAIN = (
+        'obstacles of the map leave no room for a robot whose place is uncertain')
+    NO_CLEARANCE = 'no clearance is allowed'
+
+
 class NoPathFound(ValueError):
     """
     There is no path.
 
-    :param reason: why, one phrase.
+    :param report: ``Report`` of why.
     """
 
-    def __init__(self, reason: str) -> None:
-        super().__init__(reason)
-        self.reason = reason
+    def __init__(self, report: Report[PathFailure]) -> None:
+        super().__init__(report)
+        self.report = report
 
 
 @dataclasses.dataclass(frozen=True)

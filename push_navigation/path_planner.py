@@ -19,7 +19,7 @@ from push_navigation.map_clearance import (
 from push_navigation.obstacle import inflate, InflatedObstacle
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.path import (
-    differential_path, holonomic_path, NoPathFound, Path, sample_path, Waypoint,
+    differential_path, holonomic_path, NoPathFound, Path, PathFailure, sample_path, Waypoint,
 )
 from push_navigation.settings import DriveSettings
 from push_navigation.speed_profile import travel_time
@@ -117,7 +117,7 @@ def with_enough_room(settings: DriveSettings, context: MapContext | None,
             return plan(settings.with_clearances(fraction), context._replace(sigmas=sigmas))
         except NoPathFound as failure:
             first_failure = first_failure or failure
-    raise first_failure or NoPathFound('no clearance is allowed')
+    raise first_failure or NoPathFound(PathFailure.NO_CLEARANCE.report())
 
 
 def path_with_clearance(robot: RoundRobot, obj: PushedObject, object_pose: Pose, start: Pose,
@@ -156,8 +156,7 @@ def path_with_clearance(robot: RoundRobot, obj: PushedObject, object_pose: Pose,
                      for path in assemble_paths(robot, ends, waypoints, reversing)
                      if margins.is_free(sample_path(path, robot, spacing), GRID_SLACK)]
         if not paths:
-            raise NoPathFound('obstacles of the map leave no room for a robot whose place is '
-                              'uncertain')
+            raise NoPathFound(PathFailure.ROBOT_TOO_UNCERTAIN.report())
     return min(paths, key=lambda path: travel_time(path, robot, settings))
 
 
@@ -288,7 +287,7 @@ def check_start(robot: RoundRobot, body: InflatedObstacle, pose: Pose, clearance
     """
     overlap = _overlap(body, pose, clearance)
     if overlap > robot.radius:
-        raise NoPathFound(f'the start of the path lies {overlap:.3f} m inside the object')
+        raise NoPathFound(PathFailure.START_IN_OBJECT.report(overlap=overlap))
 
 
 def check_goal(body: InflatedObstacle, pose: Pose, clearance: float) -> None:
@@ -302,7 +301,7 @@ def check_goal(body: InflatedObstacle, pose: Pose, clearance: float) -> None:
     """
     overlap = _overlap(body, pose, clearance)
     if overlap > CONTACT_TOLERANCE:
-        raise NoPathFound(f'the goal of the path lies {overlap:.3f} m inside the object')
+        raise NoPathFound(PathFailure.GOAL_IN_OBJECT.report(overlap=overlap))
 
 
 def _overlap(body: InflatedObstacle, pose: Pose, clearance: float) -> float:

@@ -218,7 +218,7 @@ class SafetyLayer:
         fault = self._odometry_check.check(odometry) or self._motion_fault(odometry)
         if self._stop.may_go_on(odometry, fault is not None):
             self._forgive(odometry)
-        if fault is not None and fault.reason is SafetyReason.ODOMETRY_JUMPED:
+        if fault is not None and fault.code is SafetyReason.ODOMETRY_JUMPED:
             # The object may have been put elsewhere with the robot.
             self._pose_check.restart()
         self._stop.observe(odometry, fault, gap if self._expects_odometry else 0.0)
@@ -231,7 +231,7 @@ class SafetyLayer:
         """Find out why the robot does not follow: others, odometry, or the base itself."""
         fault = self._motion_check.check(odometry)
         # What is wrong may show in the last centimetres of a robot that has been stopped for it.
-        is_suspect = self.report is not None and self.report.reason.is_of_motion
+        is_suspect = self.report is not None and self.report.code.is_of_motion
         if fault is None and not is_suspect:
             return None
         if fault is not None and self.other_commanders:

@@ -127,7 +127,7 @@ class PoseCheck:
         self._agreeing = self._agreeing + 1 if agrees else 1
         if self._agreeing >= AGREEING_MESSAGES:
             return self._accept(measured)
-        if self.fault is None or self.fault.reason is not PushEvent.OBJECT_POSE_JUMPS:
+        if self.fault is None or self.fault.code is not PushEvent.OBJECT_POSE_JUMPS:
             self.fault = PushEvent.OBJECT_POSE_JUMPS.report(
                 distance=distance(accepted.pose, measured.pose),
                 rotation=math.degrees(wrap_angle(measured.pose.theta - accepted.pose.theta)))

@@ -1,11 +1,8 @@
 """States and reasons of the safety layer: codes for the program, sentences for people."""
 
-from __future__ import annotations
-
 import enum
-from typing import Any
 
-from push_model.events import Report
+from push_model.events import Cause, Report
 
 
 class SafetyState(enum.Enum):
@@ -16,12 +13,8 @@ class SafetyState(enum.Enum):
     STOPPED = 'stopped'
 
 
-class SafetyReason(enum.Enum):
-    """
-    Why the robot is stopped.
-
-    The value is the template of the sentence that names it; ``report`` fills in the values.
-    """
+class SafetyReason(Cause):
+    """Why the robot is stopped."""
 
     # The command cannot be sent.
     COMMAND_NOT_FINITE = 'the command is not finite: {command}'
@@ -73,14 +66,6 @@ class SafetyReason(enum.Enum):
     def awaits_resume(self) -> bool:
         """Whether the robot stays stopped until somebody lets it go on."""
         return self in (SafetyReason.BASE_STOOD, SafetyReason.ODOMETRY_WAS_MISSING)
-
-    def report(self, **values: Any) -> SafetyReport:
-        """
-        Report that this is so.
-
-        :param values: what the sentence names, in its units.
-        """
-        return Report(self, values)
 
 
 SafetyReport = Report[SafetyReason]

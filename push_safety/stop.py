@@ -56,7 +56,7 @@ class SafetyStop:
     @property
     def awaits_resume(self) -> bool:
         """Whether the robot stays stopped until ``resume``."""
-        return self.report is not None and self.report.reason.awaits_resume
+        return self.report is not None and self.report.code.awaits_resume
 
     def resume(self) -> None:
         """Let a robot go on that waits for it; another stop soon after is no relapse."""
@@ -104,7 +104,7 @@ class SafetyStop:
         """
         time, standstill, limit = odometry.time, self._standstill, self.max_standstill
         at_rest = is_at_rest(odometry.twist)
-        if fault is not None and self.report is None and not fault.reason.is_of_odometry:
+        if fault is not None and self.report is None and not fault.code.is_of_odometry:
             standstill.on_stop(fault, time, is_at_rest=at_rest)
         standstill.observe(time, is_at_rest=at_rest,
                            is_stopped=fault is not None or self.report is not None)
@@ -118,8 +118,8 @@ class SafetyStop:
 
     def _is_news(self, fault: SafetyReport) -> bool:
         """Tell whether a fault is the first, or says more of a base that does not follow."""
-        says_more = fault.reason.is_of_odometry or fault.reason is SafetyReason.FOLLOWS_LATE
-        return self.report is None or self.report.reason.is_of_motion and says_more
+        says_more = fault.code.is_of_odometry or fault.code is SafetyReason.FOLLOWS_LATE
+        return self.report is None or self.report.code.is_of_motion and says_more
 
 
 class _Standstill:
@@ -137,7 +137,7 @@ class _Standstill:
 
     def on_stop(self, fault: SafetyReport, time: float, *, is_at_rest: bool) -> None:
         """Note that the robot is stopped, as it does not follow."""
-        if self._since is None and (is_at_rest or fault.reason is SafetyReason.NOT_MOVING):
+        if self._since is None and (is_at_rest or fault.code is SafetyReason.NOT_MOVING):
             self._since = time
         elif not is_at_rest:
             # The last attempt has moved it, but otherwise than commanded: nobody has stopped it.

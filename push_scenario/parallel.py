@@ -24,6 +24,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from push_control.task.code_text import code_text
 from push_model.files.whole_file import write_whole
 from push_scenario.definition.scenario import Scenario
 from push_scenario.evaluation.metrics import is_as_expected, measure
@@ -69,13 +70,13 @@ def simulated(scenario: Scenario) -> Row:
     Simulate a scenario, and measure how it ended.
 
     :param scenario: which.
-    :return: ``scenario`` (its name), ``outcome``, ``reason``, ``is_as_expected``, and the fields
-        of ``Metrics`` where something moved.
+    :return: ``scenario`` (its name), ``outcome``, ``reason``, ``codes``, ``is_as_expected``, and
+        the fields of ``Metrics`` where something moved.
     """
     result = simulate(scenario)
     metrics = measure(result)
     return {'scenario': scenario.name, 'outcome': result.outcome.value, 'reason': result.reason,
-            'is_as_expected': is_as_expected(result),
+            'codes': code_text(result.codes), 'is_as_expected': is_as_expected(result),
             **({} if metrics is None else dataclasses.asdict(metrics))}
 
 

@@ -3,7 +3,7 @@
 import math
 
 from push_control.behaviors.behavior import Behavior, BehaviorContext
-from push_control.behaviors.failures import BehaviorFailure
+from push_control.behaviors.failures import BehaviorFailure, no_path
 from push_control.behaviors.path_execution import blocks, displacement, PathExecution
 from push_control.behaviors.straight_push import touch_speed
 from push_control.perception.object_at_rest import has_moved
@@ -81,7 +81,7 @@ class StandoffApproach(Behavior[TaskPerception]):
             try:
                 self._execution = self._plan_path(perception, object_pose)
             except ValueError as error:
-                self.failure = BehaviorFailure.NO_PATH.report(error=str(error))
+                self.failure = no_path(error)
                 return STOP
         command = self._execution.step(robot_pose, dt, perception.pose_ahead)
         self.failure = self._execution.failure

@@ -11,6 +11,7 @@ from push_control.settings import ControlSettings
 from push_control.steered.start import MAX_OBJECT_OFFSET, MAX_OBJECT_ROTATION
 from push_control.steered.status import ControllerStatus
 from push_control.supervision_settings import SupervisionSettings
+from push_model.events import AnyReport
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.plan_request import GoalTolerances, PlanRequest
@@ -62,12 +63,12 @@ class Abort(NamedTuple):
     """
     The task cannot be done.
 
-    :param failure: why; None where the object may be at its goal.
-    :param reason: the same in one sentence.
+    :param failure: the ``TaskFailure``; None where the object may be at its goal.
+    :param cause: ``Report`` of why.
     """
 
     failure: TaskFailure | None
-    reason: str
+    cause: AnyReport
 
 
 class Behavior(abc.ABC, Generic[Perception]):
@@ -120,14 +121,9 @@ class Behavior(abc.ABC, Generic[Perception]):
         return False
 
     @property
-    def failure_reason(self) -> str:
-        """Why it has failed, one sentence; empty while it has not."""
-        return '' if self.failure is None else str(self.failure)
-
-    @property
-    def waiting_reason(self) -> str:
-        """What it waits for, one sentence; empty where it does not."""
-        return ''
+    def waiting_cause(self) -> AnyReport | None:
+        """``Report`` of what it waits for, or None."""
+        return None
 
     # Stops.
 
@@ -190,9 +186,9 @@ class Behavior(abc.ABC, Generic[Perception]):
     # A push.
 
     @property
-    def push_reason(self) -> str:
-        """What is out of the ordinary in a push, one sentence; empty while all is well."""
-        return self.failure_reason
+    def push_cause(self) -> AnyReport | None:
+        """``Report`` of what is out of the ordinary in a push; None while all is well."""
+        return self.failure
 
     @property
     def push_status(self) -> ControllerStatus | None:

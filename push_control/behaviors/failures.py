@@ -1,19 +1,14 @@
 """Why a behaviour has failed: codes for the program, sentences for people."""
 
-import enum
+from push_model.events import Cause, PushEvent, Report
+from push_navigation.path import NoPathFound
 
-from push_model.events import Report
 
-
-class BehaviorFailure(enum.Enum):
-    """
-    Why a behaviour has failed.
-
-    The value is the template of its sentence; ``report`` fills in the values.
-    """
+class BehaviorFailure(Cause):
+    """Why a behaviour has failed."""
 
     # On the way.
-    NO_PATH = '{error}'
+    NO_PATH = '{reason}'
     STALLED = 'the robot is stalled, {distance:.2f} m from the end of its path'
     PATH_END_MISSED = 'the robot comes beside the end of its path'
     NOT_AT_PRE_PUSH_POSE = 'the robot stands {distance:.0f} mm from its pre-push pose'
@@ -30,19 +25,20 @@ class BehaviorFailure(enum.Enum):
                    'blocked')
 
     # During a steered push.
-    PUSH_NOT_STARTED = '{reason}'
-    PUSH_FAILED = '{reason}'
     OFF_PLANNED_PATH = 'the object deviates by {distance:.2f} m from its planned path'
     OBJECT_NEARS_OBSTACLE = 'the object deviates towards an obstacle of the map'
     ROBOT_NEARS_OBSTACLE = 'the robot deviates towards an obstacle of the map'
 
-    def report(self, **values: float | str) -> 'FailureReport':
-        """
-        Tell that this has happened.
 
-        :param values: those that the sentence names, in its units.
-        """
-        return Report(self, values)
+def no_path(error: ValueError) -> Report[BehaviorFailure]:
+    """
+    Report that there is no path to drive.
+
+    :param error: with the reason, a ``NoPathFound`` or of what cannot be planned at all.
+    """
+    reason = error.report if isinstance(error, NoPathFound) else error
+    return BehaviorFailure.NO_PATH.report(reason=reason)
 
 
-FailureReport = Report[BehaviorFailure]
+# A steered push fails for an event that its controller reports.
+FailureReport = Report[BehaviorFailure] | Report[PushEvent]

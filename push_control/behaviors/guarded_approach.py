@@ -122,5 +122,5 @@ class GuardedApproach(Behavior[TaskPerception]):
             fault = start_fault(
                 context.robot, context.control, self._target, perception.corrected_observation)
             if fault is not None:
-                self.failure = BehaviorFailure.PUSH_NOT_STARTED.report(reason=str(fault))
+                self.failure = fault
             self.finished = fault is None

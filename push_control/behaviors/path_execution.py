@@ -4,7 +4,7 @@ import abc
 
 import numpy as np
 from push_control.behaviors.behavior import Behavior, BehaviorContext, Perception
-from push_control.behaviors.failures import BehaviorFailure, FailureReport
+from push_control.behaviors.failures import BehaviorFailure, FailureReport, no_path
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.parameters import RoundRobot
 from push_model.signals import STOP, Twist
@@ -153,7 +153,7 @@ class PathBehavior(Behavior[Perception]):
             try:
                 path = self.plan(perception)
             except ValueError as error:
-                self.failure = BehaviorFailure.NO_PATH.report(error=str(error))
+                self.failure = no_path(error)
                 return STOP
             if path is None:
                 self.finished = True

@@ -6,9 +6,11 @@ from push_control.behaviors.behavior import (
     Abort, Behavior, BehaviorContext, NoPushNeeded,
 )
 from push_control.behaviors.progress import GoalCheck, ProgressMonitor
+from push_control.events import PerceptionEvent, TaskEvent
 from push_control.goal import TaskFailure, TaskGoal
 from push_control.perception.object_at_rest import ObjectAtRest
 from push_control.perception.perception import TaskPerception
+from push_model.events import AnyReport
 from push_model.geometry import distance, Pose
 from push_model.plan_request import PlanRequest
 from push_model.signals import STOP, Twist
@@ -49,14 +51,14 @@ class PlanBehavior(Behavior[TaskPerception]):
         self._context = context
         self._progress = progress
         self._remaining_time = remaining_time
-        self._averaging_reason = ''
-        self._motion_reason = ''
+        self._averaging: AnyReport | None = None
+        self._motion: AnyReport | None = None
         progress.rest_clock.end_wait()
 
     @property
-    def waiting_reason(self) -> str:
-        """What the measurement waits for, one sentence; empty where it does not take long."""
-        return self._averaging_reason or self._motion_reason
+    def waiting_cause(self) -> AnyReport | None:
+        """What the measurement waits for; None where it does not take long."""
+        return self._averaging or self._motion
 
     def move_goal(self, pose: Pose) -> None:
         """Move the goal a little, as where its frame drifts."""
@@ -91,28 +93,28 @@ class PlanBehavior(Behavior[TaskPerception]):
         clock = self._progress.rest_clock
         clock.wait(perception.time)
         if clock.is_long:
-            self._motion_reason = perception.motion_reason
+            self._motion = perception.motion_report
         if clock.is_too_long:
-            self._abort(TaskFailure.NOT_AT_REST, f'aborted: {self._motion_reason}')
+            self._abort(TaskFailure.NOT_AT_REST, TaskEvent.ABORTED.report(reason=self._motion))
 
     def _decide(self, perception: TaskPerception) -> None:
         """Compare the object at rest with its goal, and act on that."""
         object_at_rest = perception.object_at_rest
         goal_distance = distance(object_at_rest.pose, self._goal)
         if goal_distance > MAX_GOAL_DISTANCE:
-            self._abort(TaskFailure.NO_PLAN, f'aborted: the goal is {goal_distance:.0f} m away, '
-                        f'at most {MAX_GOAL_DISTANCE:g} m is expected')
+            self._abort(TaskFailure.NO_PLAN, TaskEvent.GOAL_TOO_FAR.report(
+                distance=goal_distance, limit=MAX_GOAL_DISTANCE))
             return
         check = self._progress.check_goal(
             object_at_rest, self._goal, self._remaining_time(object_at_rest.pose, self._goal))
-        self._averaging_reason = ''
+        self._averaging = None
         if check is GoalCheck.UNCERTAIN:
-            self._averaging_reason = self._progress.averaging_reason(object_at_rest)
+            self._averaging = self._progress.averaging_report(object_at_rest)
         elif check is GoalCheck.REACHED:
             self._finish(NoPushNeeded.REACHED)
         elif check is GoalCheck.UNSEEN:
             self._inspect(object_at_rest)
-        elif self._progress.abort_reason or perception.is_refuted:
+        elif self._progress.abort_cause is not None or perception.is_refuted:
             self._abort_with_inconsistencies(perception)
         else:
             self._request_plan(perception, object_at_rest.pose)
@@ -120,22 +122,23 @@ class PlanBehavior(Behavior[TaskPerception]):
     def _inspect(self, object_at_rest: ObjectAtRest) -> None:
         """See an object that may be at its goal from another side, unless that was too often."""
         self._progress.count_inspection(object_at_rest)
-        if self._progress.abort_reason:
-            self._abort(self._progress.failure, self._progress.abort_reason)
+        cause = self._progress.abort_cause
+        if cause is not None:
+            self._abort(self._progress.failure, cause)
         else:
             self._finish(NoPushNeeded.UNSEEN)
 
     def _abort_with_inconsistencies(self, perception: TaskPerception) -> None:
         """Give the task up, and name what measurements have to do with it."""
-        reason, failure = self._progress.abort_reason, self._progress.failure
-        inconsistencies = '; '.join(filter(None, (perception.pose_inconsistency,
-                                                  perception.odometry_inconsistency)))
-        if not reason:
-            self._abort(TaskFailure.NO_PROGRESS, f'aborted: {inconsistencies}')
-        elif failure is TaskFailure.NO_PROGRESS and inconsistencies:
-            self._abort(failure, f'{reason}; {inconsistencies}')
+        cause, failure = self._progress.abort_cause, self._progress.failure
+        inconsistency = _inconsistency(perception)
+        if cause is None:
+            self._abort(TaskFailure.NO_PROGRESS, TaskEvent.ABORTED.report(reason=inconsistency))
+        elif failure is TaskFailure.NO_PROGRESS and inconsistency is not None:
+            self._abort(failure, TaskEvent.ABORTED_INCONSISTENT.report(
+                abort=cause, inconsistency=inconsistency))
         else:
-            self._abort(failure, reason)
+            self._abort(failure, cause)
 
     def _request_plan(self, perception: TaskPerception, object_pose: Pose) -> None:
         """Request a plan, unless it would fail again."""
@@ -150,9 +153,17 @@ class PlanBehavior(Behavior[TaskPerception]):
         if not progress.awaits_map(request, perception.time):
             self.plan_request = request
 
-    def _abort(self, failure: TaskFailure | None, reason: str) -> None:
-        self._finish(Abort(failure, reason))
+    def _abort(self, failure: TaskFailure | None, cause: AnyReport) -> None:
+        self._finish(Abort(failure, cause))
 
     def _finish(self, result: NoPushNeeded | Abort) -> None:
         self.result = result
         self.finished = True
+
+
+def _inconsistency(perception: TaskPerception) -> AnyReport | None:
+    """Report what does not fit object poses, or odometry, or both; None where all fits."""
+    poses, odometry = perception.pose_inconsistency, perception.odometry_inconsistency
+    if poses is None or odometry is None:
+        return poses or odometry
+    return PerceptionEvent.INCONSISTENCIES.report(first=poses, second=odometry)

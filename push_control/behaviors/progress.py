@@ -4,9 +4,11 @@ import enum
 import math
 from typing import NamedTuple
 
+from push_control.events import no_plan, TaskEvent
 from push_control.goal import TaskFailure
 from push_control.perception.object_at_rest import has_moved, ObjectAtRest
 from push_control.supervision_settings import BIASED_SIGMAS, SupervisionSettings
+from push_model.events import AnyReport, Report
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.trajectory import PushStyle, PushTrajectory
@@ -129,22 +131,22 @@ class ProgressMonitor:
         self._least_time = math.inf
         self._attempts = 0
         self._waypoints = 0
-        self._last_failure = ''
+        self._last_failure: AnyReport | None = None
         self._failed_request: _FailedRequest | None = None
-        self._planning_failure = ''
+        self._planning_failure: AnyReport | None = None
         # Since when there is no plan for what the map shows [s], or None.
         self._blocked_since: float | None = None
-        self._uncertainty = ''
+        self._uncertainty: AnyReport | None = None
 
-    def count_attempt(self, failure_reason: str = '') -> None:
+    def count_attempt(self, failure: AnyReport | None = None) -> None:
         """
         Count a push or a recovery.
 
-        :param failure_reason: what went wrong, empty where nothing did.
+        :param failure: ``Report`` of what went wrong, or None.
         """
         self._attempts += 1
         self._inspections = 0
-        self._last_failure = failure_reason or self._last_failure
+        self._last_failure = failure or self._last_failure
 
     def count_finished_push(self, plan: PushTrajectory, object_pose: Pose) -> None:
         """
@@ -212,13 +214,12 @@ class ProgressMonitor:
         """Count a look from another side at an object that may be at its goal."""
         self._inspections += 1
         if self._inspections > MAX_INSPECTIONS:
-            self._uncertainty = (
-                'aborted: the object may be at its goal, but its poses do not show it to within '
-                f'the tolerances: standard errors of {1e3 * object_at_rest.position_error:.1f} mm '
-                f'and {math.degrees(object_at_rest.heading_error):.2f} deg')
+            self._uncertainty = TaskEvent.GOAL_UNCERTAIN.report(
+                position=1e3 * object_at_rest.position_error,
+                heading=math.degrees(object_at_rest.heading_error))
 
-    def on_planning_failed(self, request: PlanRequest, code: PlanFailure, reason: str,
-                           time: float) -> None:
+    def on_planning_failed(self, request: PlanRequest, code: PlanFailure,
+                           reason: str | AnyReport, time: float) -> None:
         """
         Note that there is no plan; twice for the same reason from the same poses is once too many.
 
@@ -226,11 +227,11 @@ class ProgressMonitor:
         on its way, and the next one may be right. What a map blocks, another one may free: that is
         waited for, and counts as no attempt.
 
-        :param reason: the same in one sentence.
+        :param reason: the same in one sentence, or a ``Report`` of it.
         :param time: now [s].
         """
         if code not in MAP_FAILURES:
-            self.count_attempt(f'no plan: {reason}')
+            self.count_attempt(no_plan(code, reason))
             self._blocked_since = None
         elif self._blocked_since is None:
             self._blocked_since = time
@@ -242,10 +243,11 @@ class ProgressMonitor:
         self._failed_request = _FailedRequest(request, code, is_repeated)
         if self._blocked_since is not None:
             if time - self._blocked_since >= MAP_TIME_LIMIT:
-                self._planning_failure = (f'aborted: planning failed for {MAP_TIME_LIMIT:g} s: '
-                                          f'{reason}')
+                self._planning_failure = TaskEvent.PLANNING_FAILED_FOR_LONG.report(
+                    duration=MAP_TIME_LIMIT, failure=code, reason=reason)
         elif is_repeated:
-            self._planning_failure = f'aborted: planning failed twice from here: {reason}'
+            self._planning_failure = TaskEvent.PLANNING_FAILED_AGAIN.report(
+                failure=code, reason=reason)
 
     def awaits_map(self, request: PlanRequest, time: float) -> bool:
         """
@@ -267,7 +269,7 @@ class ProgressMonitor:
         """Forget requests without a plan, as there may be one now, but not since when."""
         self._failed_request = None
         if self._blocked_since is None:
-            self._planning_failure = ''
+            self._planning_failure = None
 
     def check_goal(self, object_at_rest: ObjectAtRest, goal: Pose,
                    remaining_time: float | None = None) -> GoalCheck:
@@ -301,15 +303,15 @@ class ProgressMonitor:
             return GoalCheck.UNSEEN
         return GoalCheck.MISSED
 
-    def averaging_reason(self, object_at_rest: ObjectAtRest) -> str:
-        """Say what averaging waits for, one sentence; empty where it does not take long."""
+    def averaging_report(self, object_at_rest: ObjectAtRest) -> Report[TaskEvent] | None:
+        """Report what averaging waits for; None where it does not take long."""
         settings = self.settings
         if object_at_rest.duration < settings.max_averaging_time:
-            return ''
+            return None
         position, heading = settings.precise_errors
-        return ('the noise of the object poses is averaged down to standard errors of '
-                f'{1e3 * position:.1f} mm and {math.degrees(heading):.2f} deg, for '
-                f'{settings.averaging_time_limit:g} s at most')
+        return TaskEvent.AVERAGING.report(
+            position=1e3 * position, heading=math.degrees(heading),
+            limit=settings.averaging_time_limit)
 
     def _is_averaged(self, object_at_rest: ObjectAtRest) -> bool:
         """Whether further poses are not worth their time."""
@@ -332,7 +334,7 @@ class ProgressMonitor:
             self._waypoints = 0
             self._safety_stops = self._safety_stops if is_first else 0
             self._spins = self._spins if is_first else 0
-            self._last_failure = ''
+            self._last_failure = None
 
     @property
     def cone_fraction(self) -> float:
@@ -341,15 +343,15 @@ class ProgressMonitor:
         return max(MIN_CONE_FRACTION, CAUTION_FACTOR ** reductions)
 
     @property
-    def abort_reason(self) -> str:
-        """Why the task is to be aborted, empty while it is not."""
+    def abort_cause(self) -> AnyReport | None:
+        """``Report`` of why the task is to be aborted; None while it is not."""
         if self._unseen_pushes >= MAX_UNSEEN_PUSHES:
-            return (f'aborted: {self._unseen_pushes} pushes have left the object pose as it was, '
-                    'to the last digit: the tracker is frozen, or the robot pushes elsewhere')
+            return TaskEvent.PUSHES_UNSEEN.report(count=self._unseen_pushes)
         if self._attempts < self.settings.max_attempts:
             return self._uncertainty or self._planning_failure
-        last = f'; last failure: {self._last_failure}' if self._last_failure else ''
-        return f'aborted: no progress in {self._attempts} attempts{last}'
+        if self._last_failure is None:
+            return TaskEvent.ATTEMPTS_USED_UP.report(count=self._attempts)
+        return TaskEvent.ATTEMPTS_FAILED.report(count=self._attempts, failure=self._last_failure)
 
     @property
     def failure(self) -> TaskFailure | None:

@@ -1,7 +1,6 @@
 """A single steered push: planned from where the robot stands, and planned again under way."""
 
 from push_control.behaviors.behavior import Behavior, BehaviorContext, MeasurementNeed
-from push_control.behaviors.failures import BehaviorFailure
 from push_control.behaviors.steered_push import SteeredPush
 from push_control.goal import TaskGoal
 from push_control.perception.measurement_watch import MeasurementWatch
@@ -10,7 +9,7 @@ from push_control.steered.controller import WAITING_TIME_LIMIT
 from push_control.steered.estimation.contact_site import SAME_PUSH_DISTANCE, SAME_PUSH_ROTATION
 from push_control.steered.plan_check import Place
 from push_control.steered.status import Phase
-from push_model.events import EventReport, PushEvent, sentence
+from push_model.events import EventReport, PushEvent
 from push_model.geometry import Pose
 from push_model.observation import Observation
 from push_model.plan_request import GoalTolerances, PlanRequest
@@ -59,9 +58,9 @@ class PromptPlan(Behavior[RawPerception]):
         self._fault: EventReport | None = None
 
     @property
-    def waiting_reason(self) -> str:
-        """What the request waits for, one sentence; empty where it does not take long."""
-        return sentence(self._fault)
+    def waiting_cause(self) -> EventReport | None:
+        """What the request waits for; None where it does not take long."""
+        return self._fault
 
     def move_goal(self, pose: Pose) -> None:
         """Move the goal for the next request."""
@@ -89,9 +88,8 @@ class PromptPlan(Behavior[RawPerception]):
             fault = perception.measurement_fault(needs_object=True)
         self._fault = self._watch.update(fault, perception.time)
         if self._fault is not None and self._watch.waited(perception.time) > WAITING_TIME_LIMIT:
-            self.failure = BehaviorFailure.PUSH_FAILED.report(
-                reason=str(PushEvent.GAVE_UP_WAITING.report(limit=WAITING_TIME_LIMIT,
-                                                            reason=self._fault)))
+            self.failure = PushEvent.GAVE_UP_WAITING.report(limit=WAITING_TIME_LIMIT,
+                                                            reason=self._fault)
 
     def _is_outdated(self, request: PlanRequest, observation: Observation) -> bool:
         """Whether the object seems to be elsewhere than where the plan was requested from."""
@@ -195,7 +193,7 @@ class SinglePush(SteeredPush):
             self.plan_request = self._needed_plan(perception)
         self.finished = controller.phase is Phase.DONE
         if controller.phase is Phase.FAILED and not controller.replan_requested:
-            self.failure = BehaviorFailure.PUSH_FAILED.report(reason=controller.reason)
+            self.failure = controller.event
         elif self._context.occupancy_map is not None:
             self.failure = self._near_obstacle(controller.status)
         return command if self.failure is None else STOP

@@ -8,7 +8,7 @@ from push_control.behaviors.failures import BehaviorFailure, FailureReport
 from push_control.behaviors.obstacle_guard import blocks_push
 from push_control.steered.controller import Controller
 from push_control.steered.status import ControllerStatus, Phase
-from push_model.events import UNBELIEVED_POSES
+from push_model.events import EventReport, UNBELIEVED_POSES
 from push_model.geometry import Pose
 from push_model.signals import STOP, Twist
 from push_model.trajectory import PushTrajectory
@@ -47,9 +47,9 @@ class SteeredPush(Behavior['TaskPerception']):
         self._controller = Controller(context.obj, context.robot, context.control)
 
     @property
-    def push_reason(self) -> str:
-        """What is out of the ordinary, as the controller of the push has it."""
-        return self._controller.reason
+    def push_cause(self) -> EventReport | None:
+        """``EventReport`` of what is out of the ordinary, as the controller has it, or None."""
+        return self._controller.event
 
     @property
     def push_status(self) -> ControllerStatus:
@@ -72,7 +72,7 @@ class SteeredPush(Behavior['TaskPerception']):
         self.finished = status.phase is Phase.DONE
         # In a task the robot backs off, and the object is looked for where it is then.
         if status.phase is Phase.FAILED or status.event in UNBELIEVED_POSES:
-            self.failure = BehaviorFailure.PUSH_FAILED.report(reason=status.reason)
+            self.failure = self._controller.event
         else:
             self.failure = (self._path_deviation(perception.object_pose.pose)
                             or self._near_obstacle(status))

@@ -23,6 +23,7 @@ from push_control.perception.object_at_rest import Tap
 from push_control.perception.perception import TaskPerception
 from push_control.steered.laws.braking import braking_distance
 from push_control.steered.status import ControllerStatus, Phase
+from push_model.events import sentence
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.signals import ObjectPose, STOP, Twist
 from push_model.trajectory import PushTrajectory
@@ -140,7 +141,7 @@ class StraightPush(Behavior[TaskPerception]):
         phase = Phase.DONE if self.finished else Phase.PUSHING
         ensemble = self._ensemble
         return ControllerStatus(
-            phase=phase if self.failure is None else Phase.FAILED, reason=self.failure_reason,
+            phase=phase if self.failure is None else Phase.FAILED, reason=sentence(self.failure),
             remaining_distance=max(0.0, self._line.length - self._progress.pushed),
             travelled_distance=self._progress.pushed, friction_center=ensemble.friction_center,
             object_pose=ensemble.object_pose, robot_pose=ensemble.pose,

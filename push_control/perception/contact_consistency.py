@@ -9,7 +9,9 @@ it sideways, or it moves although the robot does not touch it. No pose of the ro
 import enum
 import math
 
+from push_control.events import PerceptionEvent
 from push_control.perception.object_at_rest import TapMotion
+from push_model.events import Report
 
 # Contacts in a row that do not fit the poses until none will. Measured: after random faults, with
 # poses that are off by 0.3 m or rotated by 30 deg, and with wheels that have slipped, robots have
@@ -105,12 +107,11 @@ class ContactConsistency:
         return self._contradictions >= MAX_CONTRADICTIONS
 
     @property
-    def inconsistency(self) -> str:
-        """What does not fit, one clause; empty if all contacts fit."""
+    def inconsistency(self) -> Report[PerceptionEvent] | None:
+        """What does not fit; None if all contacts fit."""
         if self.is_refuting:
-            return f'{self._contradictions} contacts in a row did not fit the object poses'
+            return PerceptionEvent.CONTACTS_DO_NOT_FIT.report(count=self._contradictions)
         count = self.pushes_without_effect
-        if count == 0:
-            return ''
-        pushes = 'a push' if count == 1 else f'{count} pushes in a row'
-        return f'{pushes} moved no object at its poses'
+        if count > 1:
+            return PerceptionEvent.PUSHES_WITHOUT_EFFECT.report(count=count)
+        return PerceptionEvent.PUSH_WITHOUT_EFFECT.report() if count else None

@@ -2,6 +2,7 @@
 
 import math
 
+from push_control.events import PerceptionEvent
 from push_control.perception.ensemble.contact_hypotheses import ContactHypotheses
 from push_control.perception.ensemble.ensemble_state import OdometryNoise
 from push_control.perception.ensemble.push_ensemble import PushEnsemble
@@ -9,6 +10,7 @@ from push_control.perception.odometry_shift import OdometryShift
 from push_control.settings import ControlSettings
 from push_control.supervision_settings import SupervisionSettings
 from push_model.contact import find_contact, FoundContact
+from push_model.events import Report
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectPose, Odometry
@@ -63,13 +65,14 @@ class Localization(ContactHypotheses):
         return PositionUncertainty(uncertainty.position) if self.is_robot_measured else uncertainty
 
     @property
-    def odometry_inconsistency(self) -> str:
-        """What is wrong with odometry by the contacts with the object; empty where nothing is."""
+    def odometry_inconsistency(self) -> Report[PerceptionEvent] | None:
+        """What is wrong with odometry by the contacts with the object; None where nothing is."""
         scale = self.odometry_scale
         if abs(scale) <= UNLIKELY_SIGMAS * self._supervision.odometry_scale:
-            return ''
-        return (f'odometry means {100.0 * abs(scale):.0f} % {"more" if scale > 0.0 else "less"} '
-                'motion than there is, as where wheels slip')
+            return None
+        event = (PerceptionEvent.ODOMETRY_TOO_LARGE if scale > 0.0
+                 else PerceptionEvent.ODOMETRY_TOO_SMALL)
+        return event.report(percentage=100.0 * abs(scale))
 
     def move(self, odometry: Odometry) -> Pose | None:
         """

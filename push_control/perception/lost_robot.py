@@ -11,6 +11,7 @@ import math
 from typing import Protocol
 
 import numpy as np
+from push_control.events import PerceptionEvent
 from push_control.perception.contact_consistency import ContactConsistency, Touch
 from push_control.perception.displacement import Displacement, DisplacementWatch
 from push_control.perception.ensemble.ensemble_state import RobotMemory
@@ -20,6 +21,7 @@ from push_control.perception.lost_robot_events import (
     RestoreRobot, RobotLocalized, RobotMoved, TapCompared, TaskStarted, UnexpectedContact, Verdict)
 from push_control.perception.slip_search import SlipSearch
 from push_model.contact import find_contact
+from push_model.events import Report
 from push_model.geometry import distance, Pose
 from push_model.parameters import PushedObject, RoundRobot
 
@@ -112,16 +114,16 @@ class LostRobotMonitor:
         return time - self._displaced_at < DISPLACED_TIME
 
     @property
-    def inconsistency(self) -> str:
-        """What contacts show of object poses, or of the robot; empty where all fits."""
-        text, shift = self._contacts.inconsistency, self._displacements.shift
-        if not text:
-            return ''
-        if shift is not None:
-            text += (f', which have jumped by {math.hypot(shift.x, shift.y):.2f} m and '
-                     f'{math.degrees(abs(shift.theta)):.0f} deg')
-        return text + (': they are of another object or of the robot, mirrored or in other axes, '
-                       'or the robot is elsewhere')
+    def inconsistency(self) -> Report[PerceptionEvent] | None:
+        """What contacts show of object poses, or of the robot; None where all fits."""
+        contacts, shift = self._contacts.inconsistency, self._displacements.shift
+        if contacts is None:
+            return None
+        if shift is None:
+            return PerceptionEvent.POSES_ELSEWHERE.report(contacts=contacts)
+        return PerceptionEvent.POSES_JUMPED_ELSEWHERE.report(
+            contacts=contacts, distance=math.hypot(shift.x, shift.y),
+            rotation=math.degrees(abs(shift.theta)))
 
     def remember(self, memory: RobotMemory) -> None:
         """

@@ -35,7 +35,7 @@ class MeasurementWatch:
     def __init__(self) -> None:
         """Start with measurements that can be used."""
         self.fault: EventReport | None = None
-        self._reason: PushEvent | None = None
+        self._code: PushEvent | None = None
         self._reported_at = -math.inf
         self._since = math.inf
         self._bad_at = -math.inf
@@ -52,7 +52,7 @@ class MeasurementWatch:
         :param time: now [s].
         :return: why the robot has to wait, or None where it may move.
         """
-        if fault is None or fault.reason in START_EVENTS:
+        if fault is None or fault.code in START_EVENTS:
             if self.fault is None or fault is not None:
                 return fault
             recovery = RECOVERY_TIMES[min(self._relapses, len(RECOVERY_TIMES) - 1)]
@@ -64,7 +64,7 @@ class MeasurementWatch:
             has_relapsed = time - self._recovered_at < RELAPSE_TIME
             self._relapses = self._relapses + 1 if has_relapsed else 0
         self._max_age = max(self._max_age, fault.values.get('age', 0.0))
-        is_known = self.fault is not None and self._reason is fault.reason
+        is_known = self.fault is not None and self._code is fault.code
         is_renewed = time - self._reported_at >= RENEWAL_PERIOD
         if not is_known or is_renewed:
             self.fault, self._reported_at = self._named(fault, time), time
@@ -75,8 +75,8 @@ class MeasurementWatch:
 
     def _named(self, fault: EventReport, time: float) -> EventReport:
         """Name poses that are too old by a little, for long: waiting changes nothing."""
-        self._reason = fault.reason
-        is_late = (fault.reason is PushEvent.OBJECT_POSE_STALE
+        self._code = fault.code
+        is_late = (fault.code is PushEvent.OBJECT_POSE_STALE
                    and self.waited(time) >= RENEWAL_PERIOD
                    and self._max_age <= LATE_RATIO * fault.values['limit'])
         if not is_late:

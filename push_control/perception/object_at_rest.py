@@ -7,8 +7,10 @@ import math
 from typing import Collection, NamedTuple
 
 import numpy as np
+from push_control.events import PerceptionEvent
 from push_control.settings import ControlSettings
 from push_control.supervision_settings import SupervisionSettings
+from push_model.events import Report
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.signals import ObjectPose, PoseCovariance
 
@@ -140,30 +142,30 @@ class StationarityWindow:
         """The ``ObjectAtRest``; None before the first measurement."""
         return self._average
 
-    def motion_reason(self) -> str:
-        """Describe why the object does not come to rest, in one sentence."""
+    def motion_report(self) -> Report[PerceptionEvent]:
+        """Report why the object does not come to rest."""
         poses = [measured.pose for measured in self._latest]
         steps = np.array([(b.x - a.x, b.y - a.y, wrap_angle(b.theta - a.theta))
                           for a, b in zip(poses, poses[1:])])
         if len(steps) < 2:
-            return 'the object is not at rest: no poses of it come'
+            return PerceptionEvent.NO_POSES_COME.report()
         # Of independent errors, by which three successive ones differ from a straight line.
         noise = np.sqrt((np.diff(steps, axis=0) ** 2).mean(axis=0) / 6.0)
         position, heading = float(noise[:2].max()), float(noise[2])
         shift = np.abs(steps.sum(axis=0))
         duration = self._latest[-1].time - self._latest[0].time
         if (shift > MOVING_SIGMAS * noise).any() and len(poses) == NOISE_POSES:
-            return (f'the object is not at rest: it moves by itself, at '
-                    f'{math.hypot(shift[0], shift[1]) / duration:.2f} m/s and '
-                    f'{math.degrees(shift[2]) / duration:.0f} deg/s')
+            return PerceptionEvent.OBJECT_MOVES.report(
+                speed=math.hypot(shift[0], shift[1]) / duration,
+                yaw_rate=math.degrees(shift[2]) / duration)
         stated = self._control.believed_covariance(self._latest[-1])
-        text = (f'the object is not at rest: its poses differ from one to the next by '
-                f'{1e3 * position:.1f} mm and {math.degrees(heading):.2f} deg')
+        values = {'position': 1e3 * position, 'heading': math.degrees(heading)}
         if max(position / stated.position_deviation,
                heading / stated.heading_deviation) < NOISY_RATIO:
-            return text
-        return text + (f', and noise of {1e3 * stated.position_deviation:.1f} mm and '
-                       f'{math.degrees(stated.heading_deviation):.2f} deg is stated')
+            return PerceptionEvent.OBJECT_POSES_DIFFER.report(**values)
+        return PerceptionEvent.OBJECT_POSES_NOISIER_THAN_STATED.report(
+            **values, stated_position=1e3 * stated.position_deviation,
+            stated_heading=math.degrees(stated.heading_deviation))
 
     def _append(self, sample: _Sample) -> None:
         """Add a sample to the window and its sum, and drop those that are not needed."""

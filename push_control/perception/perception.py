@@ -3,6 +3,7 @@
 import math
 
 from push_base.base_model import BaseModel, MotionAhead
+from push_control.events import PerceptionEvent
 from push_control.perception.contact_consistency import Touch
 from push_control.perception.localization import Localization
 from push_control.perception.lost_robot import LostRobotMonitor
@@ -16,6 +17,7 @@ from push_control.perception.object_knowledge import ObjectKnowledge
 from push_control.perception.raw_perception import RawPerception
 from push_control.settings import ControlSettings
 from push_control.supervision_settings import SupervisionSettings
+from push_model.events import Report
 from push_model.geometry import Pose
 from push_model.observation import Observation
 from push_model.parameters import PushedObject, RoundRobot
@@ -181,8 +183,8 @@ class TaskPerception(RawPerception):
         return self.localization.position_uncertainty
 
     @property
-    def odometry_inconsistency(self) -> str:
-        """What is wrong with odometry by the contacts with the object; empty where nothing is."""
+    def odometry_inconsistency(self) -> Report[PerceptionEvent] | None:
+        """What is wrong with odometry by the contacts with the object; None where nothing is."""
         return self.localization.odometry_inconsistency
 
     @property
@@ -258,9 +260,9 @@ class TaskPerception(RawPerception):
         self._at_rest_from = time
 
     @property
-    def motion_reason(self) -> str:
-        """Why the object does not come to rest, one sentence."""
-        return self._window.motion_reason()
+    def motion_report(self) -> Report[PerceptionEvent]:
+        """Why the object does not come to rest."""
+        return self._window.motion_report()
 
     @property
     def repeats_pose(self) -> bool:
@@ -270,8 +272,8 @@ class TaskPerception(RawPerception):
     # Is the robot where it is localized?
 
     @property
-    def pose_inconsistency(self) -> str:
-        """What contacts show of object poses, or of the robot; empty where all fits."""
+    def pose_inconsistency(self) -> Report[PerceptionEvent] | None:
+        """What contacts show of object poses, or of the robot; None where all fits."""
         return self._monitor.inconsistency
 
     @property

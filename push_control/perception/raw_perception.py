@@ -1,9 +1,10 @@
 """Measurements as they come: where robot and object are, without an estimate."""
 
+from push_control.events import PerceptionEvent
 from push_control.perception.measurement_faults import measurement_fault
 from push_control.perception.object_knowledge import ObjectKnowledge
 from push_control.settings import ControlSettings
-from push_model.events import EventReport
+from push_model.events import EventReport, Report
 from push_model.geometry import Pose
 from push_model.observation import Observation
 from push_model.signals import ObjectEstimate, ObjectPose, Twist
@@ -138,9 +139,9 @@ class RawPerception:
         return False
 
     @property
-    def pose_inconsistency(self) -> str:
-        """What contacts show of object poses, or of the robot; empty where all fits."""
-        return ''
+    def pose_inconsistency(self) -> Report[PerceptionEvent] | None:
+        """What contacts show of object poses, or of the robot; None where all fits."""
+        return None
 
     def start_from(self, knowledge: ObjectKnowledge) -> None:
         """Start with what was learned of the object."""

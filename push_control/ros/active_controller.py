@@ -8,6 +8,7 @@ layer guards it, and it is sent.
 from typing import Any, Callable
 
 from builtin_interfaces.msg import Time
+from push_control.events import TaskEvent
 from push_control.goal import GoalOutcome
 from push_control.ros.base_check import BaseCheck, BaseFault
 from push_control.ros.command_gate import CommandGate
@@ -20,6 +21,7 @@ from push_control.ros.parameters import ControllerParameters, OBJECT_NAME, OBJEC
 from push_control.ros.push_action import GoalReceiver, ObjectSelector, PushActionServer
 from push_control.ros.scene import ScenePublisher
 from push_control.ros.start_state import StartState
+from push_model.events import AnyReport
 from push_model.parameters import PushedObject
 from push_model.signals import ObjectPose, Odometry, STOP, Twist
 from push_ros.conversions.measurements import from_object_pose_message, from_odometry_message
@@ -37,7 +39,7 @@ from rclpy.timer import Timer
 
 # Period at which missing odometry is looked for [s]; chosen: a fifth of the default time-out.
 WATCHDOG_PERIOD = 0.05
-DEACTIVATED = 'the controller was deactivated'
+DEACTIVATED = TaskEvent.DEACTIVATED.report()
 
 
 class ActiveController:
@@ -111,7 +113,7 @@ class ActiveController:
         self._timer = node.create_timer(WATCHDOG_PERIOD, node.guarded(self._check_odometry),
                                         clock=Clock(clock_type=ClockType.STEADY_TIME))
         if self.pursuit.start_state is StartState.STOPPED:
-            self._reporter.report(WARN, StartState.STOPPED.value)
+            self._reporter.report(WARN, str(TaskEvent.STOPPED_BY_USER.report()))
         else:
             self._reporter.report(OK, 'waits for a goal')
         self._topics = TopicWatch(node, self._awaited_topics)
@@ -124,7 +126,7 @@ class ActiveController:
             self._node.destroy_timer(self._timer)
         if self._topics is not None:
             self._topics.destroy()
-        self._base.interrupt(DEACTIVATED)
+        self._base.interrupt(str(DEACTIVATED))
         self._commands.flush()
         self.goals.interrupt(GoalOutcome.INTERRUPTED, DEACTIVATED)
         self.pursuit.cancel(DEACTIVATED)
@@ -178,7 +180,7 @@ class ActiveController:
             # What was sent meanwhile may be lost.
             self.pursuit.renew_request()
         if news.went_back:
-            self._start_over(WARN, 'time went back')
+            self._start_over(WARN, TaskEvent.TIME_WENT_BACK.report())
 
     def _decide_guarded(self, measured: Odometry | ObjectPose) -> Twist:
         """Let the pursuit decide between the two sides of the guard."""
@@ -292,11 +294,11 @@ class ActiveController:
 
     def stop(self) -> ServiceAnswer:
         """Stop the robot, and refuse goals until ``start``."""
-        reason = StartState.STOPPED.value
-        self._base.interrupt(reason)
+        cause = TaskEvent.STOPPED_BY_USER.report()
+        self._base.interrupt(str(cause))
         self.pursuit.stop()
         self._commands.stop()
-        self.goals.interrupt(GoalOutcome.CANCELLED, reason)
+        self.goals.interrupt(GoalOutcome.CANCELLED, cause)
         self._follow_up()
         return ServiceAnswer(True, 'stopped: goals are refused until controller/start')
 
@@ -353,14 +355,14 @@ class ActiveController:
         :param error: that a callback has raised.
         """
         self._commands.flush()
-        self._start_over(ERROR, f'internal error: {error!r:.200}')
+        self._start_over(ERROR, TaskEvent.INTERNAL_ERROR.report(error=error))
 
-    def _start_over(self, level: bytes, reason: str) -> None:
+    def _start_over(self, level: bytes, cause: AnyReport) -> None:
         """Forget everything measured, as for a simulator that was reset; keep the goal."""
-        self.goals.interrupt(GoalOutcome.INTERRUPTED, reason)
+        self.goals.interrupt(GoalOutcome.INTERRUPTED, cause)
         self._forget_measurements()
-        self.pursuit.interrupt(reason)
-        self._reporter.report(level, f'stopped: {reason}; waits for a goal, or controller/start')
+        self.pursuit.interrupt(cause)
+        self._reporter.report(level, f'stopped: {cause}; waits for a goal, or controller/start')
 
     def _forget_measurements(self) -> None:
         self.pursuit.reset()

@@ -10,8 +10,10 @@ import dataclasses
 import math
 from typing import Any, Callable, NamedTuple, TYPE_CHECKING
 
+from push_control.events import TaskEvent
 from push_control.goal import GoalOutcome, GoalProgress, PushGoal
 from push_control.ros.start_state import StartState
+from push_model.events import AnyReport
 from push_model.geometry import Pose
 from push_model.signals import ObjectPose
 from push_ros.conversions.measurements import from_object_pose_message
@@ -26,9 +28,13 @@ if TYPE_CHECKING:  # It is imported once the node has reported.
 # chosen: longer than a message takes, shorter than what confuses an operator.
 NOTED_CLOCK_DIFFERENCE = 1.0
 # Why a goal ends that is replaced.
-REPLACED = 'another goal has come'
+REPLACED = TaskEvent.GOAL_REPLACED.report()
 # Why the robot has not backed off from its object at the end of a goal.
-ODOMETRY_LOST = 'stands where it is, as no odometry comes'
+ODOMETRY_LOST = TaskEvent.ODOMETRY_LOST.report()
+# Why a goal is abandoned, by the outcome that it then has.
+ABANDONED = {GoalOutcome.CANCELLED: TaskEvent.GOAL_CANCELLED.report(),
+             GoalOutcome.REPLACED: REPLACED,
+             GoalOutcome.TIMED_OUT: TaskEvent.GOAL_TIMED_OUT.report()}
 
 
 class GoalFeedback(NamedTuple):
@@ -49,7 +55,7 @@ class GoalHandle:
     A goal that was taken.
 
     ``goal``: the ``PushGoal``. ``outcome``: its ``GoalOutcome``, None while it is pursued.
-    ``reason``: one sentence on that, or empty. ``last_feedback``: ``GoalFeedback`` of the last
+    ``cause``: ``Report`` of why, or None. ``last_feedback``: ``GoalFeedback`` of the last
     measurement. ``elapsed_time``: since it was taken [s].
     """
 
@@ -61,7 +67,7 @@ class GoalHandle:
         """
         self.goal = goal
         self.outcome: GoalOutcome | None = None
-        self.reason = ''
+        self.cause: AnyReport | None = None
         self.last_feedback = GoalFeedback(GoalProgress(), 0.0, goal.time_limit)
         # How it ends as soon as the robot stands.
         self.pending_outcome: GoalOutcome | None = None
@@ -72,14 +78,14 @@ class GoalHandle:
         self.elapsed_time = 0.0
         self._on_end = on_end
 
-    def end(self, outcome: GoalOutcome, reason: str) -> None:
+    def end(self, outcome: GoalOutcome, cause: AnyReport | None) -> None:
         """
         Note how the pursuit ended.
 
-        :param reason: one sentence, or empty.
+        :param cause: ``Report`` of why, or None.
         """
         self.outcome = outcome
-        self.reason = reason
+        self.cause = cause
         if self._on_end is not None:
             self._on_end(self)
 
@@ -131,7 +137,7 @@ class GoalEntry:
     def refusal(self) -> str:
         """Why no goal is taken at present, one sentence; empty where goals are taken."""
         is_stopped = self._pursuit.start_state is StartState.STOPPED
-        return f'no goal is taken: {StartState.STOPPED.value}' if is_stopped else ''
+        return f'no goal is taken: {TaskEvent.STOPPED_BY_USER.report()}' if is_stopped else ''
 
     def on_message(self, message: Any) -> None:
         """
@@ -199,19 +205,19 @@ class GoalEntry:
         """Abandon the goal: the robot backs off from the object and stands, then it has ended."""
         if self._next is not None:
             # The robot backs off for it already.
-            self._end_next(GoalOutcome.CANCELLED, '')
+            self._end_next(GoalOutcome.CANCELLED, None)
         elif self._current is not None and self._current.pending_outcome is None:
             self._abandon(self._current, GoalOutcome.CANCELLED)
             self._end_abandoned(self._current)
 
-    def interrupt(self, outcome: GoalOutcome, reason: str) -> None:
+    def interrupt(self, outcome: GoalOutcome, cause: AnyReport) -> None:
         """
         Note that the robot no longer pursues any goal, present or later.
 
-        :param reason: one sentence.
+        :param cause: ``Report`` of why.
         """
-        self._end_next(outcome, reason)
-        self._end(outcome, reason)
+        self._end_next(outcome, cause)
+        self._end(outcome, cause)
         self._later = []
         self._time = 0.0
 
@@ -236,7 +242,7 @@ class GoalEntry:
         if current.pending_outcome is not None:
             self._end_abandoned(current)
         elif progress.outcome is not None:
-            self._end(progress.outcome, progress.reason)
+            self._end(progress.outcome, progress.cause)
         elif current.elapsed_time > current.goal.time_limit:
             self._abandon(current, GoalOutcome.TIMED_OUT)
 
@@ -291,27 +297,27 @@ class GoalEntry:
         upcoming.prepare()
         self._start(upcoming.handle)
 
-    def _end_next(self, outcome: GoalOutcome, reason: str) -> None:
+    def _end_next(self, outcome: GoalOutcome, cause: AnyReport | None) -> None:
         upcoming, self._next = self._next, None
         if upcoming is not None:
-            upcoming.handle.end(outcome, reason)
+            upcoming.handle.end(outcome, cause)
 
     def _abandon(self, handle: GoalHandle, outcome: GoalOutcome) -> None:
         self.feedback()
         handle.pending_outcome = outcome
-        self._pursuit.cancel(outcome.value)
+        self._pursuit.cancel(ABANDONED[outcome])
 
     def _end_abandoned(self, handle: GoalHandle) -> None:
         if handle.pending_outcome is not None and not self._pursuit.is_commanding:
-            self._end(handle.pending_outcome, self._pursuit.progress.reason)
+            self._end(handle.pending_outcome, self._pursuit.progress.cause)
 
-    def _end(self, outcome: GoalOutcome, reason: str) -> None:
+    def _end(self, outcome: GoalOutcome, cause: AnyReport | None) -> None:
         if self._current is not None:
             self.feedback()
         handle, self._current = self._current, None
         if handle is not None:
-            self._node.get_logger().debug(f'goal {outcome.value}: {reason or "as expected"}')
-            handle.end(outcome, reason)
+            self._node.get_logger().debug(f'goal {outcome.value}: {cause or "as expected"}')
+            handle.end(outcome, cause)
 
     def _note_clock_difference(self, message: Any) -> None:
         stamp = seconds(message.header.stamp)

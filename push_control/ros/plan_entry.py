@@ -3,33 +3,31 @@
 import math
 from typing import Any
 
+from push_control.events import no_plan, TaskEvent
 from push_control.perception.object_at_rest import has_moved
 from push_control.ros.floor import LiveMap
 from push_control.ros.parameters import ControllerParameters
 from push_control.ros.plan_requests import PlanRequester
-from push_control.ros.start_state import StartState
 from push_control.ros.task_report import TaskReporter
 from push_control.steered.plan_check import check_plan, ExpectedPush
 from push_control.task.status import TaskState
 from push_control.task.supervisor import Supervisor
+from push_model.events import AnyReport
 from push_model.geometry import Pose
 from push_model.observation import Observation
-from push_model.plan_request import PlanFailure, PlanRequest
+from push_model.plan_request import PlanRequest
 from push_model.trajectory import PushTrajectory
 from push_ros.conversions.plan import from_plan_message, plan_failure
 from push_ros.conversions.primitives import seconds
 from push_ros.node import PushNode
-
-WAITS_FOR_START = f'has a plan and {StartState.WAITING.value}'
-OLD_PLAN = 'the plan is older than this node: request another, or call controller/start'
 
 
 class PlanEntry:
     """
     Requests the plans that a supervisor needs, and hands it those that may be driven.
 
-    ``parameters``: the present ``ControllerParameters``. ``refusal``: why there is no plan to the
-    newest goal while the push to the one before goes on, one sentence; else empty.
+    ``parameters``: the present ``ControllerParameters``. ``refusal``: ``Report`` of why there is
+    no plan to the newest goal while the push to the one before goes on; else None.
     """
 
     def __init__(self, node: PushNode, parameters: ControllerParameters, floor: LiveMap,
@@ -49,7 +47,7 @@ class PlanEntry:
         """Forget all requests, and serve a supervisor from now on."""
         self._supervisor = supervisor
         self._requester.reset()
-        self.refusal = ''
+        self.refusal: AnyReport | None = None
         # Stamp of a plan that nobody has requested, and time of the first measurement [s].
         self._plan_stamp = math.inf
         self._first_time: float | None = None
@@ -82,19 +80,19 @@ class PlanEntry:
             if answered is awaited:
                 self._supervisor.on_planning_failed(
                     failure, f'{failure.value} (details in the diagnostics of the planner)')
-                self._note_refusal(f'no plan: {failure.value}')
+                self._note_refusal(no_plan(failure, failure.value))
         elif not has_moved(answered.object_pose, awaited.object_pose, self.parameters.supervision):
             self._take(self._read(message, awaited), message.header.stamp, is_started)
 
     def _take(self, plan: PushTrajectory, stamp: Any, is_started: bool) -> None:
         """Hand on a plan that was requested, or keep it for the start."""
         self._requester.forget_unanswered()
-        self.refusal = ''
+        self.refusal = None
         self._plan_stamp = math.inf
         if is_started:
             self._supervisor.set_plan(plan)
         else:
-            self._supervisor.keep_plan(plan, WAITS_FOR_START)
+            self._supervisor.keep_plan(plan, TaskEvent.AWAITS_START.report())
         self._reporter.show_plan(plan, stamp)
 
     def _on_unrequested(self, message: Any, is_started: bool) -> None:
@@ -103,12 +101,12 @@ class PlanEntry:
             self._requester.report_unrequested(message)
             return
         plan, stamp = self._read(message, None), message.header.stamp
-        self.refusal = ''
+        self.refusal = None
         self._plan_stamp = seconds(stamp)
         if not is_started:
-            self._supervisor.keep_plan(plan, WAITS_FOR_START)
+            self._supervisor.keep_plan(plan, TaskEvent.AWAITS_START.report())
         elif self._is_plan_old:
-            self._supervisor.keep_plan(plan, OLD_PLAN)
+            self._supervisor.keep_plan(plan, TaskEvent.PLAN_OLDER_THAN_NODE.report())
         else:
             self._supervisor.drive(plan)
         self._reporter.show_goal(Pose(*plan.object_poses[-1].tolist()))
@@ -122,7 +120,7 @@ class PlanEntry:
             check_plan(plan, ExpectedPush(self.parameters.object, self.parameters.robot,
                                           ends, self._floor.occupancy_map))
         except ValueError as error:
-            self._supervisor.on_plan_refused(PlanFailure.INVALID_PLAN.value)
+            self._supervisor.on_plan_refused()
             raise self._requester.refusal(error) from error
         return plan
 
@@ -148,12 +146,12 @@ class PlanEntry:
         if self._first_time is None:
             self._first_time = time
             if is_started and self._is_plan_old:
-                supervisor.interrupt(OLD_PLAN)
+                supervisor.interrupt(TaskEvent.PLAN_OLDER_THAN_NODE.report())
         timeout = self.parameters.supervision.plan_timeout
         if supervisor.plan_request is not None and self._requester.is_overdue(time, timeout):
-            reason = self._requester.describe_silence(timeout)
-            supervisor.on_plan_overdue(reason)
-            self._note_refusal(reason)
+            silence = self._requester.report_silence(timeout)
+            supervisor.on_plan_overdue(silence)
+            self._note_refusal(silence)
 
     def update(self, time: float) -> None:
         """
@@ -163,8 +161,8 @@ class PlanEntry:
         """
         self._requester.update(self._supervisor.plan_request, time)
 
-    def _note_refusal(self, reason: str) -> None:
+    def _note_refusal(self, cause: AnyReport) -> None:
         """Report that there is no plan to a goal while the push to the one before goes on."""
         if self._supervisor.state is TaskState.PUSH:
-            self.refusal = reason
-            self._reporter.report_error(reason)
+            self.refusal = cause
+            self._reporter.report_error(str(cause))

@@ -4,6 +4,8 @@ from collections import deque
 import time as wall
 from typing import Any, NamedTuple
 
+from push_control.events import TaskEvent
+from push_model.events import Report
 from push_model.plan_request import PlanRequest
 from push_ros.conversions.plan_request import to_request_message
 from push_ros.conversions.primitives import (
@@ -86,21 +88,18 @@ class PlanRequester:
         """
         return self._request is not None and self._now(time) - self._requested_at > timeout
 
-    def describe_silence(self, timeout: float) -> str:
+    def report_silence(self, timeout: float) -> Report[TaskEvent]:
         """
-        Tell who has not answered.
+        Report who has not answered.
 
         :param timeout: longest wait [s].
-        :return: one sentence.
         """
         count = self._publisher.get_subscription_count()
         if count == 0:
-            who = f'nobody subscribes {self._topic}'
-        elif count == 1:
-            who = f'the subscriber of {self._topic} does not answer'
-        else:
-            who = f'{count} subscribers of {self._topic} do not answer'
-        return f'no plan within {timeout:g} s: {who}'
+            return TaskEvent.NOBODY_PLANS.report(timeout=timeout, topic=self._topic)
+        if count == 1:
+            return TaskEvent.PLANNER_SILENT.report(timeout=timeout, topic=self._topic)
+        return TaskEvent.PLANNERS_SILENT.report(timeout=timeout, topic=self._topic, count=count)
 
     def request_answered_by(self, message: Any) -> PlanRequest | None:
         """

@@ -6,6 +6,7 @@ from pathlib import Path
 import time
 from typing import Any, TypeVar
 
+from push_control.events import TaskEvent
 from push_control.goal import GoalOutcome, GoalProgress, PushGoal, PushState
 from push_control.ros.floor import LiveMap
 from push_control.ros.measurements import CovarianceCheck
@@ -21,6 +22,7 @@ from push_control.supervision_settings import SupervisionSettings
 from push_control.task.single_push import SinglePushBehaviors
 from push_control.task.status import TaskState
 from push_control.task.supervisor import Supervisor
+from push_model.events import AnyReport
 from push_model.geometry import Pose
 from push_model.observation import Observation
 from push_model.plan_request import PlanRequest
@@ -115,10 +117,11 @@ class GoalPursuit:
     @property
     def progress(self) -> GoalProgress:
         """How far the pursuit of the goal has come; errors are those of the last measured pose."""
-        if self._plans.refusal:
+        if self._plans.refusal is not None:
             progress = GoalProgress(PushState.FAILED, self._plans.refusal, GoalOutcome.NO_PLAN)
         else:
-            progress = task_progress(self._supervisor.status, is_started=self.is_started)
+            progress = task_progress(self._supervisor.status, self._supervisor.cause,
+                                     is_started=self.is_started)
         measured = None if self._observation is None else self._observation.object_pose
         if measured is None or self._goal is None:
             return progress
@@ -134,15 +137,15 @@ class GoalPursuit:
             parameters.supervision, factory=self._factory, knowledge=self._memory.recall())
         self._apply_settings()
         self._supervisor.set_map(self._floor.occupancy_map)
-        self._supervisor.hold(self._floor.fault)
+        self._hold_without_map()
         self._stand_if_stopped()
         self._observation: Observation | None = None
         self._plans.reset(self._supervisor)
         self.report_again()
 
-    def interrupt(self, reason: str) -> None:
+    def interrupt(self, cause: AnyReport) -> None:
         """Say, after ``reset``, why the robot stands; a known goal waits for ``start``."""
-        self._supervisor.interrupt(reason)
+        self._supervisor.interrupt(cause)
         self._stand_if_stopped()
 
     def start(self) -> None:
@@ -156,13 +159,13 @@ class GoalPursuit:
         """Stop, until ``start``; what has ended is not started again."""
         if not self._supervisor.can_restart:
             self._forget_goal()
-            self._supervisor.stop(StartState.STOPPED.value)
+            self._supervisor.stop(TaskEvent.STOPPED_BY_USER.report())
         self.start_state = StartState.STOPPED
         self._stand_if_stopped()
 
     def _stand_if_stopped(self) -> None:
         if self.start_state is StartState.STOPPED:
-            self._supervisor.interrupt(StartState.STOPPED.value)
+            self._supervisor.interrupt(TaskEvent.STOPPED_BY_USER.report())
 
     def pause(self) -> ServiceAnswer:
         """Stand until ``resume``."""
@@ -196,7 +199,7 @@ class GoalPursuit:
     def set_goal(self, goal: PushGoal) -> None:
         """Pursue a goal, in place of the present one; before the start, plan it at most."""
         self._goal = goal
-        self._plans.refusal = ''
+        self._plans.refusal = None
         self._apply_settings()
         self._reporter.show_goal(goal.pose)
         if self.is_started or self._supervisor.keeps_plan:
@@ -222,19 +225,19 @@ class GoalPursuit:
             self._supervisor.move_goal(self._goal.pose)
             self._reporter.move_goal(self._goal.pose)
 
-    def cancel(self, reason: str) -> None:
+    def cancel(self, cause: AnyReport) -> None:
         """Abandon the goal; a robot that may touch the object backs off first."""
         self._forget_goal()
-        self._supervisor.cancel(reason)
+        self._supervisor.cancel(cause)
 
-    def halt(self, reason: str) -> None:
+    def halt(self, cause: AnyReport) -> None:
         """Abandon the goal, and stand at once, as where odometry is lost."""
         self._forget_goal()
-        self._supervisor.stop(reason)
+        self._supervisor.stop(cause)
 
     def _forget_goal(self) -> None:
         self._goal = None
-        self._plans.refusal = ''
+        self._plans.refusal = None
         self._reporter.show_goal(None)
 
     def set_parameters(self, parameters: ControllerParameters) -> None:
@@ -290,14 +293,20 @@ class GoalPursuit:
     def refuse_map(self, reason: str) -> None:
         """Take note of a map that cannot be brought to the world frame: a task stands."""
         self._floor.refuse(reason)
-        self._supervisor.hold(self._floor.fault)
+        self._hold_without_map()
+
+    def _hold_without_map(self) -> None:
+        """Let the robot stand while a map cannot be relied on."""
+        fault = self._floor.fault
+        self._supervisor.hold(
+            TaskEvent.NO_USABLE_MAP.report(map_fault=fault) if fault else None)
 
     def _take_map(self) -> None:
         """Use a map that was read."""
         try:
             taken = self._floor.take()
         finally:
-            self._supervisor.hold(self._floor.fault)
+            self._hold_without_map()
         if taken is None:
             return
         if taken.change is MapChange.NEW:

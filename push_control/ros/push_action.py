@@ -15,6 +15,7 @@ from push_control.goal import GoalOutcome, GoalProgress, PushGoal, PushState
 from push_control.ros.base_check import BaseFault
 from push_control.ros.goal_entry import GoalEntry, GoalHandle
 from push_control.time_left import TimeLeftEstimator
+from push_model.events import sentence
 from push_model.parameters import PushedObject
 from push_ros import qos
 from push_ros.conversions.measurements import from_object_pose_message
@@ -131,13 +132,13 @@ class PushActionServer:
         :param waiting: what the node waits for, one clause; empty where it waits for nothing.
         """
         feedback = self._goals.feedback()
-        progress = feedback.progress._replace(
-            reason='; '.join(filter(None, (feedback.progress.reason, waiting))))
-        state = progress.state, progress.reason
+        progress = feedback.progress
+        reason = '; '.join(filter(None, (sentence(progress.cause), waiting)))
+        state = progress.state, reason
         if not self._rate.due(time) and state == self._last_state:
             return
         self._last_state = state
-        status = self._status_message(progress, time)
+        status = self._status_message(progress, reason, time)
         self._status_publisher.publish(status)
         if self._current is None or not math.isfinite(progress.position_error):
             return
@@ -243,7 +244,7 @@ class PushActionServer:
             position_error=last.progress.position_error, heading_error=last.progress.heading_error,
             pushes=last.progress.pushes, duration=to_stamp(last.elapsed_time, Duration))
         is_reached = outcome is GoalOutcome.REACHED
-        text = '' if is_reached else ended.reason or outcome.value
+        text = '' if is_reached else sentence(ended.cause) or outcome.value
         is_cancelled = outcome is GoalOutcome.CANCELLED and handle.is_cancel_requested
         self._finish(handle, 'NONE' if is_cancelled else ERRORS[outcome], text, result,
                      is_reached=is_reached)
@@ -267,13 +268,12 @@ class PushActionServer:
             # Else the node is being shut down, and nobody can be answered any more.
             self._server.notify_execute(handle, lambda _: result)
 
-    def _status_message(self, progress: GoalProgress, time: float) -> Any:
+    def _status_message(self, progress: GoalProgress, reason: str, time: float) -> Any:
         is_pushing = progress.state is PushState.PUSHING
         status = self._interfaces.status(
             object_name=self._object_name,
             state=getattr(self._interfaces.status, progress.state.name),
-            text=f'{progress.state.value}, {progress.reason}' if progress.reason
-            else progress.state.value,
+            text=f'{progress.state.value}, {reason}' if reason else progress.state.value,
             push_number=progress.pushes, pushes_done=progress.pushes - is_pushing,
             position_error=progress.position_error, heading_error=progress.heading_error)
         status.header.stamp = to_stamp(time)

@@ -7,10 +7,10 @@ class StartState(enum.Enum):
     """A stop holds until ``controller/start``, whatever comes."""
 
     # Goals are taken, and pursued from the start on.
-    WAITING = 'waits for controller/start'
+    WAITING = 'waiting'
     STARTED = 'started'
     # Goals are refused.
-    STOPPED = 'stopped by controller/stop: call controller/start'
+    STOPPED = 'stopped'
 
     @classmethod
     def first(cls, *, waits: bool) -> 'StartState':

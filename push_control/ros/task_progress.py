@@ -2,6 +2,7 @@
 
 from push_control.goal import GoalOutcome, GoalProgress, PushState, TaskFailure
 from push_control.task.status import SupervisorStatus, TaskState
+from push_model.events import AnyReport
 from push_model.geometry import distance, Pose, wrap_angle
 
 OUTCOMES = {TaskState.DONE: GoalOutcome.REACHED, TaskState.FAILED: GoalOutcome.FAILED,
@@ -13,16 +14,18 @@ STATES = {TaskState.IDLE: PushState.IDLE, TaskState.PLAN: PushState.PLANNING,
           TaskState.PAUSED: PushState.PAUSED}
 
 
-def task_progress(status: SupervisorStatus, *, is_started: bool) -> GoalProgress:
+def task_progress(status: SupervisorStatus, cause: AnyReport | None, *,
+                  is_started: bool) -> GoalProgress:
     """
     Tell how far a task has come; before its start it has no outcome.
 
+    :param cause: ``Report`` of why its state is as it is, or None.
     :param is_started: whether the robot may move.
     """
     outcome = OUTCOMES.get(status.state) if is_started else None
     if is_started and status.failure is TaskFailure.NO_PLAN:
         outcome = GoalOutcome.NO_PLAN
-    return GoalProgress(STATES[status.state], status.reason, outcome, status.pushes)
+    return GoalProgress(STATES[status.state], cause, outcome, status.pushes)
 
 
 def with_errors(progress: GoalProgress, measured: Pose, goal: Pose) -> GoalProgress:

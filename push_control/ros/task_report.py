@@ -3,6 +3,7 @@
 from typing import Any
 
 from push_control.ros.scene import EstimatedScene, ScenePublisher
+from push_control.task.code_text import code_text
 from push_control.task.status import StateChange, SupervisorStatus, TaskState
 from push_control.task.supervisor import Supervisor
 from push_model.geometry import Pose
@@ -48,7 +49,8 @@ class TaskReporter:
         is_due = self._report_rate.due(time)
         if is_due or (supervisor.state, supervisor.reason) != self._reported:
             status = supervisor.status
-            present = StateChange(status.since, status.state, status.reason, status.is_requested)
+            present = StateChange(status.since, status.state, status.reason, status.is_requested,
+                                  status.codes)
             self._report(status, present, time, always=False)
 
     def draw(self, supervisor: Supervisor, time: float) -> None:
@@ -112,8 +114,8 @@ class TaskReporter:
         self._reported = change.state, change.reason
         values = {
             'time': time, 'state': change.state.value, 'reason': change.reason,
-            'since': change.time, 'pushes': status.pushes, 'recoveries': status.recoveries,
-            'robot_pose': status.robot_pose}
+            'codes': code_text(change.codes), 'since': change.time, 'pushes': status.pushes,
+            'recoveries': status.recoveries, 'robot_pose': status.robot_pose}
         values.update({f'push.{key}': value for key, value in status.push.values().items()})
         is_fault = bool(change.reason) and not change.is_requested
         level = LEVELS.get(change.state, WARN if is_fault else OK)

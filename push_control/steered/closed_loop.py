@@ -254,7 +254,7 @@ class ClosedLoopPush(PushExecution):
         state, projection, guidance = self._model.ahead, self._projection, self._guidance
         position_error, heading_error = self._errors
         return ControllerStatus(
-            phase=phase, reason=sentence(event), event=None if event is None else event.reason,
+            phase=phase, reason=sentence(event), event=None if event is None else event.code,
             position_error=position_error,
             heading_error=heading_error,
             remaining_distance=(guidance.planned_length if projection is None
@@ -356,9 +356,9 @@ class ClosedLoopPush(PushExecution):
                                     remaining_distance, dt)
         if excess is not None:
             position_error, heading_error = self._errors
-            report = excess.reason.report(**excess.values, distance=1e3 * position_error,
-                                          heading=math.degrees(abs(heading_error)))
-            if excess.reason is PushEvent.NO_PROGRESS:
+            report = excess.code.report(**excess.values, distance=1e3 * position_error,
+                                        heading=math.degrees(abs(heading_error)))
+            if excess.code is PushEvent.NO_PROGRESS:
                 self._fail(report)
             else:
                 # No plan from here keeps to what has been exceeded.

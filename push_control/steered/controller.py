@@ -14,7 +14,7 @@ from push_control.steered.laws.steering_law import SteeringLaw
 from push_control.steered.open_loop import OpenLoopPush
 from push_control.steered.start import start_fault
 from push_control.steered.status import ControllerStatus, Phase
-from push_model.events import EventReport, PushEvent, sentence
+from push_model.events import EventReport, PushEvent
 from push_model.observation import Observation
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import STOP, Twist
@@ -98,15 +98,15 @@ class Controller:
         return self._state.phase
 
     @property
-    def reason(self) -> str:
-        """What is out of the ordinary, as a sentence."""
-        return sentence(self._state.event)
+    def event(self) -> EventReport | None:
+        """``EventReport`` of what is out of the ordinary; None while all is well."""
+        return self._state.event
 
     @property
     def awaits_resume(self) -> bool:
         """Whether the robot stands until ``resume``."""
         stop = self._stop.report
-        return stop is not None and stop.reason.awaits_resume and not self.phase.has_ended
+        return stop is not None and stop.code.awaits_resume and not self.phase.has_ended
 
     @property
     def replan_requested(self) -> bool:
@@ -161,7 +161,7 @@ class Controller:
         if is_new:
             stamps, command = self._answer
             # That a base was stopped is found after stops that were counted for it.
-            count = self._stop.stop_count + (not stop.reason.awaits_resume)
+            count = self._stop.stop_count + (not stop.code.awaits_resume)
             self._stop = _SafetyStop(stop, count, command, 0.0 if stamps is None else stamps[0])
         if self._law is None:
             self._state = _State(Phase.FAILED, PushEvent.SAFETY_STOP.report(reason=stop))
@@ -248,7 +248,7 @@ class Controller:
         """Stand while the measurements cannot be used, for a while."""
         self._state = _State(Phase.WAITING, fault)
         odometry = observation.odometry
-        if self._stop.report is not None and self._stop.report.reason.is_of_odometry:
+        if self._stop.report is not None and self._stop.report.code.is_of_odometry:
             odometry = odometry._replace(twist=self._coasting_twist(observation.time))
         if self._push is not None:
             self._push.pause(odometry if is_finite_odometry(odometry) else None)

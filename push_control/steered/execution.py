@@ -94,4 +94,4 @@ def plain_status(phase: Phase, event: EventReport | None) -> ControllerStatus:
     :param phase: its ``Phase``.
     :param event: ``EventReport`` of what is out of the ordinary, or None.
     """
-    return ControllerStatus(phase, sentence(event), None if event is None else event.reason)
+    return ControllerStatus(phase, sentence(event), None if event is None else event.code)

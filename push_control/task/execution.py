@@ -14,6 +14,7 @@ from push_base.push_force import force_warning
 from push_control.behaviors.behavior import Abort, Behavior, MeasurementNeed, NoPushNeeded, Stand
 from push_control.behaviors.failures import BehaviorFailure, FailureReport
 from push_control.behaviors.progress import ProgressMonitor
+from push_control.events import TaskEvent
 from push_control.goal import TaskFailure, TaskGoal
 from push_control.perception.object_knowledge import ObjectKnowledge
 from push_control.perception.raw_perception import RawPerception
@@ -24,6 +25,7 @@ from push_control.task.behavior_factory import BehaviorFactory
 from push_control.task.stand_reasons import StandCause, StandReason, StandReasons
 from push_control.task.state_machine import TaskStateMachine, Transitions
 from push_control.task.status import StateChange, SupervisorStatus, TaskState
+from push_model.events import AnyReport, codes, sentence
 from push_model.observation import Observation
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectEstimate, STOP, Twist
@@ -33,10 +35,6 @@ from push_navigation.settings import DriveSettings
 # Time after the end of a steered push from which on the object may be at rest [s]; chosen: longer
 # than the latency of its poses (0.08 s in the scenarios), and than it slides on.
 SETTLING_TIME = 0.3
-
-# Why a task is planned again, or what has happened while the robot stood.
-STARTED_OVER = ('odometry has jumped while the robot stood: localization of robot and object '
-                'starts over')
 
 
 class _Answer(NamedTuple):
@@ -98,13 +96,14 @@ class TaskExecution:
     def status(self) -> SupervisorStatus:
         """The present ``SupervisorStatus``, made where it is read."""
         machine, perception = self._machine, self._perception
-        reason = self.reason
+        cause = self.cause
         return SupervisorStatus(
-            state=machine.state, reason=reason, since=machine.since, pushes=machine.pushes,
-            recoveries=machine.recoveries, history=machine.history, push=self._push_status,
+            state=machine.state, reason=sentence(cause), since=machine.since,
+            pushes=machine.pushes, recoveries=machine.recoveries, history=machine.history,
+            push=self._push_status,
             robot_pose=perception.robot_pose if perception.is_localized else None,
-            is_requested=machine.is_requested and reason == machine.reason,
-            failure=machine.failure)
+            is_requested=machine.is_requested and cause is machine.cause,
+            failure=machine.failure, codes=codes(cause))
 
     @property
     def state(self) -> TaskState:
@@ -122,17 +121,22 @@ class TaskExecution:
         return self._machine.recoveries
 
     @property
-    def reason(self) -> str:
-        """One sentence on the present state, empty while all is well."""
+    def cause(self) -> AnyReport | None:
+        """``Report`` of why the state is as it is; None while all is well."""
         stand_reason = self._stand_reason
         if stand_reason is not None:
-            return stand_reason.sentence
-        reason = self._behavior.waiting_reason or self._machine.reason
+            return stand_reason.report
+        cause = self._behavior.waiting_cause or self._machine.cause
         if self.state is TaskState.PUSH:
-            reason = reason or self._behavior.push_reason
+            cause = cause or self._behavior.push_cause
         elif not self.state.is_standing:
-            reason = reason or self._perception.pose_inconsistency
-        return reason
+            cause = cause or self._perception.pose_inconsistency
+        return cause
+
+    @property
+    def reason(self) -> str:
+        """The cause in one sentence, empty while all is well."""
+        return sentence(self.cause)
 
     @property
     def awaits_resume(self) -> bool:
@@ -192,9 +196,9 @@ class TaskExecution:
         if not starts_over:
             return
         if self.state.is_standing:
-            self._machine.note(self._perception.time, STARTED_OVER)
+            self._machine.note(self._perception.time, TaskEvent.STARTED_OVER.report())
         else:
-            self._enter(TaskState.PLAN, STARTED_OVER)
+            self._enter(TaskState.PLAN, TaskEvent.STARTED_OVER.report())
 
     def _update_stand_reasons(self) -> None:
         """Check the measurements that the behaviour needs."""
@@ -210,7 +214,7 @@ class TaskExecution:
         """Wait, and give the task up where that takes too long."""
         self._behavior.pause()
         if reason.failure is not None:
-            self._abort(reason.failure, f'aborted: {reason.sentence}')
+            self._abort(reason.failure, TaskEvent.ABORTED.report(reason=reason.report))
         return STOP
 
     def _act(self, dt: float) -> Twist:
@@ -239,7 +243,7 @@ class TaskExecution:
         elif result is NoPushNeeded.REACHED:
             self._enter(TaskState.DONE)
         elif result is NoPushNeeded.UNSEEN:
-            self._enter(TaskState.RETREAT, 'the object has to be seen from another side')
+            self._enter(TaskState.RETREAT, TaskEvent.OBJECT_UNSEEN.report())
             self._behavior = self._behaviors.inspection(self._perception)
         elif not self._plans_next_goal():
             self._enter(self._next_state())
@@ -261,38 +265,38 @@ class TaskExecution:
             return False
         self._goal = goal
         self._machine.start_task()
-        self._enter(TaskState.PLAN, 'new goal', is_requested=True)
+        self._enter(TaskState.PLAN, TaskEvent.NEW_GOAL.report(), is_requested=True)
         return True
 
     def _end_after_failure(self, failure: FailureReport) -> None:
         """Go on after a failure, unless it has shown that the object is too heavy."""
-        has_spun = failure.reason is BehaviorFailure.WHEELS_SPIN
+        has_spun = failure.code is BehaviorFailure.WHEELS_SPIN
         if has_spun and self._progress.count_spin():
-            self._abort(TaskFailure.TOO_HEAVY, f'aborted: {failure}')
+            self._abort(TaskFailure.TOO_HEAVY, TaskEvent.ABORTED.report(reason=failure))
         else:
-            self._recover(str(failure))
+            self._recover(failure)
 
-    def _recover(self, reason: str, failure: TaskFailure = TaskFailure.PUSH_FAILED) -> None:
+    def _recover(self, cause: AnyReport, failure: TaskFailure = TaskFailure.PUSH_FAILED) -> None:
         """Count a failure as an attempt, and go to where it leads."""
-        self._progress.count_attempt(reason)
+        self._progress.count_attempt(cause)
         if not self._plans_next_goal():
-            self._enter_after_failure(reason, failure)
+            self._enter_after_failure(cause, failure)
 
-    def _enter_after_failure(self, reason: str, failure: TaskFailure) -> None:
+    def _enter_after_failure(self, cause: AnyReport, failure: TaskFailure) -> None:
         if self.state in (TaskState.PLAN, TaskState.APPROACH):
             self._progress.delay_request(self._perception.time)
         next_state = self._transitions.failure
         if next_state is TaskState.FAILED:
-            self._abort(failure, reason)
+            self._abort(failure, cause)
             return
         self._machine.count_recovery()
-        self._enter(next_state, reason)
+        self._enter(next_state, cause)
 
-    def _abort(self, failure: TaskFailure | None, reason: str) -> None:
-        self._enter(TaskState.FAILED, reason, failure=failure)
+    def _abort(self, failure: TaskFailure | None, cause: AnyReport) -> None:
+        self._enter(TaskState.FAILED, cause, failure=failure)
 
-    def _enter(self, state: TaskState, reason: str = '', *, is_requested: bool = False,
-               failure: TaskFailure | None = None) -> None:
+    def _enter(self, state: TaskState, cause: AnyReport | None = None, *,
+               is_requested: bool = False, failure: TaskFailure | None = None) -> None:
         """Change the state, and start its behaviour."""
         perception = self._perception
         if state is TaskState.PLAN and self._goal is None:
@@ -308,4 +312,4 @@ class TaskExecution:
             settling_time = 0.0 if self._is_straight else SETTLING_TIME
             perception.restart_averaging(perception.time + settling_time)
         self._machine.enter(
-            state, perception.time, reason, is_requested=is_requested, failure=failure)
+            state, perception.time, cause, is_requested=is_requested, failure=failure)

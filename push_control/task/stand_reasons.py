@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from push_control.goal import TaskFailure
 from push_control.perception.measurement_watch import MeasurementWatch
-from push_model.events import EventReport
+from push_model.events import AnyReport, EventReport
 from push_safety.status import SafetyReport
 
 
@@ -36,12 +36,12 @@ class StandReason(NamedTuple):
     A reason to stand.
 
     :param cause: its ``StandCause``.
-    :param sentence: the same in one sentence.
+    :param report: ``Report`` of it.
     :param duration: for which it holds [s]; 0 where no limit applies.
     """
 
     cause: StandCause
-    sentence: str
+    report: AnyReport
     duration: float = 0.0
 
     @property
@@ -58,7 +58,7 @@ class StandReasons:
         """Start without any."""
         self._stop: SafetyReport | None = None
         self._stopped_since = 0.0
-        self._hold_sentence = ''
+        self._hold_report: AnyReport | None = None
         self._watch = MeasurementWatch()
         self._fault: EventReport | None = None
 
@@ -83,16 +83,16 @@ class StandReasons:
 
     def resume(self) -> None:
         """Forget a stop after which somebody was awaited: here they are."""
-        if self._stop is not None and self._stop.reason.awaits_resume:
+        if self._stop is not None and self._stop.code.awaits_resume:
             self._stop = None
 
-    def hold(self, sentence: str) -> None:
+    def hold(self, report: AnyReport | None) -> None:
         """
         Stand for as long as something is missing.
 
-        :param sentence: what; empty where nothing is.
+        :param report: ``Report`` of what; None where nothing is.
         """
-        self._hold_sentence = sentence
+        self._hold_report = report
 
     def on_measurements(self, fault: EventReport | None, time: float) -> None:
         """
@@ -101,7 +101,7 @@ class StandReasons:
         :param fault: why not, or None where they can.
         :param time: now [s].
         """
-        if self._stop is not None or self._hold_sentence:
+        if self._stop is not None or self._hold_report is not None:
             self.forget_measurements()
         else:
             self._fault = self._watch.update(fault, time)
@@ -118,16 +118,16 @@ class StandReasons:
         :param time: now [s].
         """
         reasons: list[StandReason] = []
-        if self._stop is not None and self._stop.reason.awaits_resume:
-            reasons.append(StandReason(StandCause.AWAITS_RESUME, str(self._stop)))
+        if self._stop is not None and self._stop.code.awaits_resume:
+            reasons.append(StandReason(StandCause.AWAITS_RESUME, self._stop))
         elif self._stop is not None:
             duration = time - self._stopped_since
-            reasons.append(StandReason(StandCause.SAFETY_STOP, str(self._stop), duration))
-        if self._hold_sentence:
-            reasons.append(StandReason(StandCause.HOLD, self._hold_sentence))
+            reasons.append(StandReason(StandCause.SAFETY_STOP, self._stop, duration))
+        if self._hold_report is not None:
+            reasons.append(StandReason(StandCause.HOLD, self._hold_report))
         if self._fault is not None:
             duration = self._watch.waited(time)
-            reasons.append(StandReason(StandCause.MEASUREMENTS, str(self._fault), duration))
+            reasons.append(StandReason(StandCause.MEASUREMENTS, self._fault, duration))
         return tuple(reasons)
 
     def first(self, time: float) -> StandReason | None:

@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 from push_control.goal import TaskFailure
 from push_control.task.status import FINAL_STATES, StateChange, TaskState
+from push_model.events import AnyReport, codes, sentence
 
 
 class Transitions(NamedTuple):
@@ -104,19 +105,18 @@ class TaskStateMachine:
     """
     The present state of a task, and how it has come to it.
 
-    ``table``: the ``TransitionTable``. ``state``: the ``TaskState``. ``reason``: why, one
-    sentence, empty while all is well. ``since``: when it was entered [s]. ``is_requested``:
-    whether the user asked for it.
-    ``failure``: the ``TaskFailure`` of a task that was given up, else None. ``pushes``,
-    ``recoveries``: number of them since the task was started. ``history``: every ``StateChange``
-    since then.
+    ``table``: the ``TransitionTable``. ``state``: the ``TaskState``. ``cause``: ``Report`` of why,
+    None while all is well. ``since``: when it was entered [s]. ``is_requested``: whether the user
+    asked for it. ``failure``: the ``TaskFailure`` of a task that was given up, else None.
+    ``pushes``, ``recoveries``: number of them since the task was started. ``history``: every
+    ``StateChange`` since then.
     """
 
     def __init__(self, table: TransitionTable) -> None:
         """Start idle."""
         self.table = table
         self.state = TaskState.IDLE
-        self.reason = ''
+        self.cause: AnyReport | None = None
         self.since = 0.0
         self.is_requested = False
         self.failure: TaskFailure | None = None
@@ -146,15 +146,15 @@ class TaskStateMachine:
         """Tell whether the present state may lead to another one."""
         return state in self.table.successors(self.state)
 
-    def enter(self, state: TaskState, time: float, reason: str = '', *,
+    def enter(self, state: TaskState, time: float, cause: AnyReport | None = None, *,
               is_requested: bool = False, failure: TaskFailure | None = None) -> None:
         """
         Change the state.
 
         :param state: the next ``TaskState``; may be the present one.
         :param time: now [s].
-        :param reason: why, one sentence; empty where all goes as it should.
-        :param is_requested: whether the user asked for it, so that the reason is no fault.
+        :param cause: ``Report`` of why; None where all goes as it should.
+        :param is_requested: whether the user asked for it, so that the cause is no fault.
         :param failure: the ``TaskFailure`` for which the task is given up, or None.
         :raises ValueError: where the present state does not lead to it.
         """
@@ -166,22 +166,23 @@ class TaskStateMachine:
         if state is TaskState.PUSH:
             self.pushes += 1
         self.state = state
-        self.reason = reason
+        self.cause = cause
         self.since = time
         self.is_requested = is_requested
         self.failure = failure
-        self.note(time, reason, is_requested=is_requested)
+        self.note(time, cause, is_requested=is_requested)
 
     def count_recovery(self) -> None:
         """Count a failure that the task goes on from."""
         self.recoveries += 1
 
-    def note(self, time: float, reason: str, *, is_requested: bool = False) -> None:
+    def note(self, time: float, cause: AnyReport | None, *, is_requested: bool = False) -> None:
         """
         Record what has happened in the present state.
 
         :param time: now [s].
-        :param reason: one sentence.
+        :param cause: ``Report`` of it; None where all goes as it should.
         :param is_requested: whether the user asked for it.
         """
-        self.history += (StateChange(time, self.state, reason, is_requested),)
+        change = StateChange(time, self.state, sentence(cause), is_requested, codes(cause))
+        self.history += (change,)

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from push_control.goal import TaskFailure
 from push_control.steered.status import ControllerStatus
+from push_model.events import Codes
 from push_model.geometry import Pose
 
 
@@ -45,12 +46,14 @@ class StateChange(NamedTuple):
     :param state: the new ``TaskState``.
     :param reason: why, one sentence; empty where all goes as it should.
     :param is_requested: whether the user asked for it, so that the reason is no fault.
+    :param codes: of the reason, as of ``Report``.
     """
 
     time: float
     state: TaskState
     reason: str
     is_requested: bool = False
+    codes: Codes = ()
 
 
 @dataclasses.dataclass(frozen=True)
@@ -69,6 +72,7 @@ class SupervisorStatus:
     :param push: ``ControllerStatus`` of the present or last push.
     :param is_requested: whether the user asked for this state, so that the reason is no fault.
     :param failure: the ``TaskFailure`` where the state is ``FAILED``, else None.
+    :param codes: of the reason, as of ``Report``.
     """
 
     state: TaskState = TaskState.IDLE
@@ -81,3 +85,4 @@ class SupervisorStatus:
     push: ControllerStatus = ControllerStatus()
     is_requested: bool = False
     failure: TaskFailure | None = None
+    codes: Codes = ()

@@ -7,6 +7,7 @@ Everything else is ``TaskExecution``: a step answers a measurement with a comman
 import math
 
 from push_control.behaviors.progress import ProgressMonitor
+from push_control.events import no_plan, TaskEvent
 from push_control.goal import TaskFailure, TaskGoal
 from push_control.perception.object_at_rest import has_moved
 from push_control.settings import ControlSettings
@@ -14,6 +15,7 @@ from push_control.steered.plan_check import ExpectedEnds, Place
 from push_control.supervision_settings import aimed_tolerances, SupervisionSettings
 from push_control.task.execution import TaskExecution
 from push_control.task.status import TaskState
+from push_model.events import AnyReport, Report
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.trajectory import PushTrajectory
@@ -36,21 +38,27 @@ class Supervisor(TaskExecution):
         :raises ValueError: where it is not finite.
         """
         if pose is None:
-            self.stop('no goal')
+            self.stop(TaskEvent.NO_GOAL.report())
             return
         if not Pose(*pose).is_finite():
             raise ValueError(f'goal: got {pose}, expected three finite numbers')
         self._goal = TaskGoal(Pose(*pose), since)
         self._reasons.resume()
         if self._behavior.take_goal(self._goal, self._behaviors.tolerances):
-            self._machine.note(self._perception.time, 'new goal', is_requested=True)
+            self._machine.note(self._perception.time, TaskEvent.NEW_GOAL.report(),
+                               is_requested=True)
             return
         self._progress = ProgressMonitor(self._progress.settings, self._progress.aim)
         self._perception.forget_contacts()
         self._machine.start_task()
         if self.state is not TaskState.PAUSED:
-            reason = '; '.join(filter(None, ('new goal', self._force_warning)))
-            self._enter(self._machine.restart_state, reason, is_requested=True)
+            self._enter(self._machine.restart_state, self._new_goal_report(), is_requested=True)
+
+    def _new_goal_report(self) -> Report[TaskEvent]:
+        """Report a new goal, and what is known already to stand against it."""
+        if self._force_warning:
+            return TaskEvent.NEW_GOAL_TOO_HEAVY.report(warning=self._force_warning)
+        return TaskEvent.NEW_GOAL.report()
 
     def restart(self, pose: Pose | None, since: float = -math.inf) -> None:
         """
@@ -83,7 +91,7 @@ class Supervisor(TaskExecution):
         perception = self._perception
         if perception.is_localized and self._behavior.is_blocked(occupancy_map,
                                                                  perception.robot_pose):
-            self._recover('the new map has an obstacle in the way')
+            self._recover(TaskEvent.MAP_BLOCKS_PATH.report())
         self._progress.forget_planning_failures()
 
     def move_map(self, occupancy_map: OccupancyMap | None) -> None:
@@ -143,9 +151,9 @@ class Supervisor(TaskExecution):
         start = Pose(*trajectory.object_poses[0].tolist())
         if self.awaits_plan and has_moved(requested, start, self._progress.settings):
             self.on_planning_failed(
-                PlanFailure.INVALID_PLAN, 'the plan begins where the object is not, '
-                f'{distance(requested, start):.2f} m and '
-                f'{math.degrees(abs(wrap_angle(start.theta - requested.theta))):.0f} deg off')
+                PlanFailure.INVALID_PLAN, TaskEvent.PLAN_STARTS_ELSEWHERE.report(
+                    distance=distance(requested, start),
+                    rotation=math.degrees(abs(wrap_angle(start.theta - requested.theta)))))
             return
         self._progress.on_plan()
         self.drive(trajectory)
@@ -154,46 +162,57 @@ class Supervisor(TaskExecution):
         """Follow a plan, be it requested or not; without a stop where the behaviour can."""
         self._plan = trajectory
         if self._behavior.take_plan(trajectory):
-            self._machine.note(self._perception.time, 'another plan', is_requested=True)
+            self._machine.note(self._perception.time, TaskEvent.NEW_PLAN.report(),
+                               is_requested=True)
         else:
             self._enter(self._machine.table.transitions[TaskState.PLAN].success)
 
-    def keep_plan(self, trajectory: PushTrajectory, reason: str) -> None:
-        """Stand with a plan, for the next start to drive it."""
-        self._plan = trajectory
-        self._enter(TaskState.IDLE, reason)
+    def keep_plan(self, trajectory: PushTrajectory, cause: AnyReport) -> None:
+        """
+        Stand with a plan, for the next start to drive it.
 
-    def on_planning_failed(self, code: PlanFailure, reason: str) -> None:
+        :param cause: ``Report`` of why it is not driven now.
+        """
+        self._plan = trajectory
+        self._enter(TaskState.IDLE, cause)
+
+    def on_planning_failed(self, code: PlanFailure, reason: str | AnyReport) -> None:
         """
         Note that there is no plan for the request.
 
-        :param reason: ``code`` in one sentence.
+        :param reason: ``code`` in one sentence, or a ``Report`` of it.
         """
         request, now = self.plan_request, self._perception.time
         if request is None:
             return
         if code is PlanFailure.AT_GOAL:
-            self._enter(TaskState.DONE, reason)
+            self._enter(TaskState.DONE,
+                        TaskEvent.NO_PUSH_NEEDED.report(failure=code, reason=reason))
             return
         if self._behavior.goes_on_without_plan():
             return
         self._perception.restart_averaging(now)
         self._progress.on_planning_failed(request, code, reason, now)
-        self._enter_after_failure(self._behavior.push_reason or f'no plan: {reason}',
-                                  TaskFailure.NO_PLAN)
+        cause = self._behavior.push_cause or no_plan(code, reason)
+        self._enter_after_failure(cause, TaskFailure.NO_PLAN)
 
-    def on_plan_refused(self, reason: str) -> None:
+    def on_plan_refused(self) -> None:
         """Note that a plan cannot be driven, so that the robot stands."""
+        code = PlanFailure.INVALID_PLAN
         if self.state is TaskState.PLAN:
-            self.on_planning_failed(PlanFailure.INVALID_PLAN, reason)
+            self.on_planning_failed(code, code.value)
         elif not self.state.is_standing:
-            self._abort(TaskFailure.NO_PLAN, f'no plan: {reason}')
+            self._abort(TaskFailure.NO_PLAN, no_plan(code, code.value))
 
-    def on_plan_overdue(self, reason: str) -> None:
-        """Note that the plan has not come in time, by the clock of the caller."""
+    def on_plan_overdue(self, cause: AnyReport) -> None:
+        """
+        Note that the plan has not come in time, by the clock of the caller.
+
+        :param cause: ``Report`` of that.
+        """
         if self.plan_request is None or self._behavior.goes_on_without_plan():
             return
-        self._recover(reason, TaskFailure.NO_PLAN)
+        self._recover(cause, TaskFailure.NO_PLAN)
         # At once: a plan that is only late answers this request as well.
         self._progress.allow_request()
 
@@ -203,9 +222,9 @@ class Supervisor(TaskExecution):
 
     # Stops.
 
-    def hold(self, reason: str) -> None:
-        """Stand until the reason is empty; the task goes on after it."""
-        self._reasons.hold(reason)
+    def hold(self, cause: AnyReport | None) -> None:
+        """Stand until the cause is None; the task goes on after it."""
+        self._reasons.hold(cause)
 
     def on_safety_report(self, fault: SafetyReport | None, stop: SafetyReport | None) -> None:
         """
@@ -214,20 +233,20 @@ class Supervisor(TaskExecution):
         :param fault: what is wrong with the newest odometry, or None.
         :param stop: why the robot is stopped, or None where it may move.
         """
-        if fault is not None and fault.reason.is_of_odometry:
-            self._perception.distrust_odometry(fault.reason is SafetyReason.ODOMETRY_JUMPED)
+        if fault is not None and fault.code.is_of_odometry:
+            self._perception.distrust_odometry(fault.code is SafetyReason.ODOMETRY_JUMPED)
         self._behavior.on_safety_report(fault, stop)
         is_new = self._reasons.on_stop(stop, self._perception.time)
         may_act = not self.state.is_standing and not self._behavior.handles_stops
-        if is_new and may_act and not self.awaits_resume:
-            self._end_behavior(str(stop))
+        if stop is not None and is_new and may_act and not self.awaits_resume:
+            self._end_behavior(stop)
 
-    def _end_behavior(self, reason: str) -> None:
+    def _end_behavior(self, stop: SafetyReport) -> None:
         """Give up what the robot does, or the task where that was too often."""
         if self._progress.count_safety_stop():
-            self._abort(TaskFailure.ROBOT_STOPPED, f'aborted: {reason}')
+            self._abort(TaskFailure.ROBOT_STOPPED, TaskEvent.ABORTED.report(reason=stop))
         else:
-            self._recover(reason)
+            self._recover(stop)
             # At once: the next attempt shows whether the base follows.
             self._progress.allow_request()
 
@@ -249,31 +268,32 @@ class Supervisor(TaskExecution):
             if self.awaits_resume:
                 self._progress.forget_safety_stops()
             self._reasons.resume()
-            self._enter(self._machine.restart_state, 'resumed', is_requested=True)
+            self._enter(self._machine.restart_state, TaskEvent.RESUMED.report(),
+                        is_requested=True)
 
     @property
     def can_restart(self) -> bool:
         """Whether ``restart`` can go on with the task after it was interrupted now."""
         return self.state not in self._machine.table.lost and self._behavior.next_goal is None
 
-    def stop(self, reason: str) -> None:
+    def stop(self, cause: AnyReport) -> None:
         """Abandon the task and stand, at the user's request."""
         self._abandon()
-        self._enter(TaskState.IDLE, reason, is_requested=True)
+        self._enter(TaskState.IDLE, cause, is_requested=True)
 
-    def interrupt(self, reason: str) -> None:
-        """Abandon the task for a fault, and stand; the reason stays until there is a goal."""
+    def interrupt(self, cause: AnyReport) -> None:
+        """Abandon the task for a fault, and stand; the cause stays until there is a goal."""
         self._goal = None
-        self._enter(TaskState.IDLE, reason)
+        self._enter(TaskState.IDLE, cause)
 
-    def cancel(self, reason: str) -> None:
+    def cancel(self, cause: AnyReport) -> None:
         """Abandon the task; a robot that may touch the object backs off before it stands."""
         state = self._machine.cancellation_state
         if state is TaskState.IDLE or self.awaits_resume:
-            self.stop(reason)
+            self.stop(cause)
             return
         if self.state is not state:
-            self._enter(state, reason, is_requested=True)
+            self._enter(state, cause, is_requested=True)
         self._abandon()
 
     def _abandon(self) -> None:

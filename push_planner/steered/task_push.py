@@ -63,7 +63,7 @@ def _plan_from_sites(request: PlanRequest, robot: RoundRobot, drive: DriveSettin
             path = plan_path(robot, request.obj, request.object_pose, request.robot_pose,
                              _standoff(start, drive), drive)
         except NoPathFound as failure:
-            reason = failure.reason
+            reason = str(failure)
         else:
             problems.append(problem)
             paths[start] = path

@@ -218,7 +218,7 @@ class ApproachPaths:
                                  occupancy_map=self._map, uncertainty=self._uncertainty,
                                  end_speed=self._speed)
         except NoPathFound as failure:
-            self.reason = failure.reason
+            self.reason = str(failure)
             return float('inf')
         self._paths[start] = path
         return travel_time(path, self._robot, self._drive, end_speed=self._speed)

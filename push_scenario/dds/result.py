@@ -29,11 +29,12 @@ def collect_result(scenario: Scenario, control_law: str, monitor: RunMonitor, ta
     tape, timing = _until_rest(Tape.load(tape_path), end.time), _read_timing(tape_path)
     if scenario.task is None:
         return RunResult(scenario, control_law, end.outcome, end.reason, tape, end.time,
-                         single_push_history(*end), plan=monitor.plan, timing=timing, bag=bag)
+                         single_push_history(*end), plan=monitor.plan, timing=timing, bag=bag,
+                         codes=end.codes)
     task = monitor.task
     return RunResult(scenario, control_law, end.outcome, end.reason, tape, end.time,
                      task.history.changes, task.history.recoveries, task.status,
-                     timing=timing, bag=bag)
+                     timing=timing, bag=bag, codes=end.codes)
 
 
 def _read_timing(tape_path: Path) -> WallClockTiming:

@@ -5,7 +5,9 @@ import dataclasses
 from typing import Any, NamedTuple
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from push_control.task.code_text import codes_of_text
 from push_control.task.status import StateChange, SupervisorStatus, TaskState
+from push_model.events import Codes
 from push_model.geometry import distance, Pose
 from push_model.trajectory import PushTrajectory
 from push_ros.conversions.measurements import from_object_pose_message
@@ -33,11 +35,13 @@ class RunEnd(NamedTuple):
 
     :param reason: one sentence.
     :param time: simulated time [s].
+    :param codes: of the reason, as of ``Report``.
     """
 
     outcome: Outcome
     reason: str
     time: float
+    codes: Codes = ()
 
 
 @dataclasses.dataclass
@@ -73,13 +77,13 @@ class TaskMonitor:
         :return: the change to its present state.
         """
         change = StateChange(float(values['since']), TaskState(values['state']),
-                             values['reason'])
+                             values['reason'], codes=codes_of_text(values.get('codes', '')))
         is_new = change[:2] != (self.status.since, self.status.state)
         recoveries = int(values['recoveries'])
         self.history.update((change,) if is_new else (), recoveries)
         self.status = SupervisorStatus(change.state, change.reason, change.time,
                                        int(values['pushes']), recoveries,
-                                       history=self.history.changes)
+                                       history=self.history.changes, codes=change.codes)
         return change
 
 
@@ -169,7 +173,8 @@ class RunMonitor:
         if 'state' in values:
             change = self.task.update(values)
             if change.state.is_final and change.time >= self._last_goal_time:
-                self.end = RunEnd(Outcome(change.state.value), change.reason, change.time)
+                self.end = RunEnd(Outcome(change.state.value), change.reason, change.time,
+                                  change.codes)
 
     @property
     def _last_goal_time(self) -> float:

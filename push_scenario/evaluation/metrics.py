@@ -85,9 +85,8 @@ def is_as_expected(result: RunResult) -> bool:
     if result.scenario.expected == 'refused':
         return result.outcome in (Outcome.REFUSED, Outcome.FAILED) and not result.pushes
     if result.scenario.expected == 'too_heavy':
-        # Of a run over DDS only the text of the failure is reported.
         return (result.outcome is Outcome.FAILED
-                and str(BehaviorFailure.WHEELS_SPIN.value) in result.reason)
+                and BehaviorFailure.WHEELS_SPIN in result.codes)
     metrics = measure(result)
     return (metrics is not None and result.outcome is Outcome.DONE and metrics.within_bounds
             and metrics.within_map)

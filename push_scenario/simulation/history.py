@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 
 from push_control.task.status import StateChange, TaskState
+from push_model.events import Codes
 from push_scenario.simulation.result import Outcome
 
 
@@ -49,15 +50,17 @@ class StateHistory:
         self._recoveries = recoveries
 
 
-def single_push_history(outcome: Outcome, reason: str, time: float) -> tuple[StateChange, ...]:
+def single_push_history(outcome: Outcome, reason: str, time: float,
+                        codes: Codes = ()) -> tuple[StateChange, ...]:
     """
     Write the history of a single push as that of a task with one push.
 
     :param outcome: how it ended.
     :param reason: why, one sentence.
     :param time: when [s].
+    :param codes: of the reason, as of ``Report``.
     """
     start = StateChange(0.0, TaskState.PUSH, '')
     if outcome is Outcome.TIME_LIMIT:
         return (start,)
-    return start, StateChange(time, TaskState(outcome.value), reason)
+    return start, StateChange(time, TaskState(outcome.value), reason, codes=codes)

@@ -84,14 +84,15 @@ def simulate(scenario: Scenario, control_law: str | None = None, *,
         robot = make_robot_control(scenario, observation,
                                    _planning_time(scenario, planning_time), plan_push)
     except PlanningFailed as failure:
-        return RunResult(scenario, scenario.control.control_law, Outcome.REFUSED, failure.reason)
+        return RunResult(scenario, scenario.control.control_law, Outcome.REFUSED, failure.reason,
+                         codes=(failure.code,))
     loop = ClosedLoop(simulation, robot, make_safety_layer(scenario), observation, progress)
     ending = loop.run(scenario.time_limit, intervene)
     duration = simulation.time
     record = robot.record(ending, duration)
     loop.settle()
     return RunResult(scenario, scenario.control.control_law, ending.outcome, ending.reason,
-                     simulation.tape, duration, **record._asdict())
+                     simulation.tape, duration, codes=ending.codes, **record._asdict())
 
 
 def _planning_time(scenario: Scenario, planning_time: float | None) -> float:

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 from push_control.task.status import StateChange, SupervisorStatus, TaskState
+from push_model.events import Codes
 from push_model.geometry import distance, wrap_angle
 from push_model.trajectory import PushTrajectory
 from push_planner.task_plan import TaskPlan
@@ -60,6 +61,7 @@ class RunResult:
     :param task_plans: ``TaskPlan`` of each push of a task, in order; empty over DDS.
     :param timing: ``WallClockTiming`` of a run over DDS, else None.
     :param bag: folder of the recording, or None.
+    :param codes: of the reason, as of ``Report``.
     :raises ValueError: where a run that moved lacks its tape, or a single push its plan.
     """
 
@@ -76,6 +78,7 @@ class RunResult:
     task_plans: tuple[TaskPlan, ...] = ()
     timing: WallClockTiming | None = None
     bag: Path | None = None
+    codes: Codes = ()
 
     def __post_init__(self) -> None:
         """Check that the fields fit the outcome."""

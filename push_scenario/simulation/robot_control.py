@@ -14,6 +14,7 @@ from push_control.supervision_settings import SupervisionSettings
 from push_control.task.single_push import SinglePushBehaviors
 from push_control.task.status import StateChange, SupervisorStatus, TaskState
 from push_control.task.supervisor import Supervisor
+from push_model.events import Codes, codes, sentence
 from push_model.geometry import Pose
 from push_model.observation import Observation
 from push_model.plan_request import PlanFailure, PlanRequest
@@ -41,10 +42,12 @@ class Ending(NamedTuple):
     How the robot ended a run by itself.
 
     :param reason: one sentence.
+    :param codes: of the reason, as of ``Report``.
     """
 
     outcome: Outcome
     reason: str
+    codes: Codes = ()
 
 
 class RobotRecord(NamedTuple):
@@ -107,6 +110,11 @@ class RobotControl(abc.ABC):
         :return: the ``Ending`` where the run is over, else None.
         """
 
+    def _ending_as(self, outcome: Outcome) -> Ending:
+        """End the run for the reason that the supervisor has."""
+        cause = self.supervisor.cause
+        return Ending(outcome, sentence(cause), codes(cause))
+
     @abc.abstractmethod
     def record(self, ending: Ending, time: float) -> RobotRecord:
         """
@@ -121,7 +129,7 @@ def _ending_at_goal(failure: PlanningFailed) -> Ending | None:
     """Tell how a run ends that has no plan as none is needed; None where one is."""
     if failure.code is not PlanFailure.AT_GOAL:
         return None
-    return Ending(Outcome.DONE, failure.reason)
+    return Ending(Outcome.DONE, failure.reason, (failure.code,))
 
 
 class SinglePushControl(RobotControl):
@@ -165,15 +173,15 @@ class SinglePushControl(RobotControl):
             try:
                 supervisor.set_plan(self._replan(observation))
             except PlanningFailed as failure:
-                self._ending = (_ending_at_goal(failure)
-                                or Ending(Outcome.FAILED, supervisor.reason))
+                self._ending = _ending_at_goal(failure) or self._ending_as(Outcome.FAILED)
         elif supervisor.state in ENDINGS:
-            self._ending = Ending(ENDINGS[supervisor.state], supervisor.reason)
+            self._ending = self._ending_as(ENDINGS[supervisor.state])
         return self._ending
 
     def record(self, ending: Ending, time: float) -> RobotRecord:
         """Sum up the run as a task of one push; see ``RobotControl``."""
-        history = () if self._plan is None else single_push_history(*ending, time)
+        history = () if self._plan is None else single_push_history(
+            ending.outcome, ending.reason, time, ending.codes)
         return RobotRecord(history, plan=self._plan)
 
     def _replan(self, observation: Observation) -> PushTrajectory:
@@ -255,7 +263,7 @@ class TaskControl(RobotControl):
         self._update_history()
         state = self.supervisor.state
         if state in ENDINGS and not self._later_goals:
-            return Ending(ENDINGS[state], self.supervisor.status.reason)
+            return self._ending_as(ENDINGS[state])
         if self._later_goals and observation.time >= self._later_goals[0].time:
             self.set_goal(self._later_goals.pop(0).goal.pose)
         return None

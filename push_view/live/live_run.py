@@ -1,6 +1,7 @@
 """One run of a session: plant and robot, with walls that nothing gets through."""
 
 import numpy as np
+from push_control.events import TaskEvent
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject
 from push_model.signals import STOP
@@ -184,5 +185,5 @@ class LiveRun:
         # Rows of the time inside the wall are not to be seen.
         self._simulation.rows.clear()
         self._simulation.command(STOP)
-        self._robot.supervisor.interrupt(str(contact))
+        self._robot.supervisor.interrupt(TaskEvent.HIT_WALL.report(contact=contact))
         self._log.add(collision_message(self.time, contact))

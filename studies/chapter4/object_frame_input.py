@@ -92,7 +92,7 @@ def simulate_in_object_frame(scenario: Scenario) -> RunResult:
     record = robot.record(ending, duration)
     loop.settle()
     return RunResult(scenario, 'object_frame', ending.outcome, ending.reason, simulation.tape,
-                     duration, **record._asdict())
+                     duration, codes=ending.codes, **record._asdict())
 
 
 def pushing_angles(planned: PushTrajectory) -> FloatArray:

@@ -11,7 +11,7 @@ from push_model.geometry import Pose, wrap_angle
 from push_model.parameters import RoundRobot
 from push_navigation.approach.approach_path import approach_time, ARC_ALLOWANCE, plan_approach
 from push_navigation.occupancy_map import OccupancyMap
-from push_navigation.path import NoPathFound, Path, sample_path
+from push_navigation.path import NoPathFound, Path, PathFailure, sample_path
 from push_navigation.path_planner import plan_path
 from push_navigation.settings import DriveSettings
 from push_navigation.speed_profile import MotionSection, split_at_stops, travel_time
@@ -206,9 +206,11 @@ def test_in_a_map_it_keeps_off_the_obstacles():
 def test_poses_inside_the_object_are_refused():
     """By name."""
     robot, inside, far = ROBOTS['differential'], Pose(0.1, 0.0, 0.0), Pose(-1.0, 0.0, 0.0)
-    for name, poses in (('start', (inside, far)), ('goal', (far, inside))):
-        with pytest.raises(NoPathFound, match=f'the {name} of the path lies'):
+    for code, poses in ((PathFailure.START_IN_OBJECT, (inside, far)),
+                        (PathFailure.GOAL_IN_OBJECT, (far, inside))):
+        with pytest.raises(NoPathFound) as failure:
             plan_approach(robot, box(), Pose(0.0, 0.0, 0.0), *poses, SETTINGS)
+        assert failure.value.report.code is code
     with pytest.raises(ValueError, match='contact_pose: got'):
         plan_approach(robot, box(), Pose(0.0, 0.0, 0.0), far, Pose(math.nan, 0.0, 0.0), SETTINGS)
 

@@ -9,7 +9,7 @@ from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
 from push_navigation.approach.approach_path import plan_approach
 from push_navigation.map_clearance import PositionUncertainty
-from push_navigation.path import NoPathFound, sample_path
+from push_navigation.path import NoPathFound, PathFailure, sample_path
 from push_navigation.path_planner import plan_path
 from push_navigation.settings import DriveSettings
 import pytest
@@ -94,9 +94,10 @@ def test_contacts_beside_a_wall_are_not_for_robots_that_may_be_elsewhere():
     for start, uncertainty in ((far, PositionUncertainty()), (near, DRIFTING)):
         plan_approach(ROBOT, box(), object_pose, start, contact, SETTINGS,
                       occupancy_map=occupancy_map, uncertainty=uncertainty)
-    with pytest.raises(NoPathFound, match='too uncertain'):
+    with pytest.raises(NoPathFound) as failure:
         plan_approach(ROBOT, box(), object_pose, far, contact, SETTINGS,
                       occupancy_map=occupancy_map, uncertainty=DRIFTING)
+    assert failure.value.report.code is PathFailure.GOAL_TOO_UNCERTAIN
 
 
 def test_a_robot_that_starts_beside_a_wall_may_leave_it():

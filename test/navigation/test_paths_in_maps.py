@@ -9,7 +9,7 @@ from push_model.contact import find_contact
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
 from push_navigation.occupancy_map import OccupancyMap
-from push_navigation.path import NoPathFound, sample_path
+from push_navigation.path import NoPathFound, PathFailure, sample_path
 from push_navigation.path_planner import plan_path
 from push_navigation.settings import DriveSettings
 import pytest
@@ -64,16 +64,18 @@ def test_it_goes_through_a_door_and_not_through_a_slit(drive):
     path = plan_path(robot, obj, ASIDE, start, goal, SETTINGS, occupancy_map=room_with_door(0.8))
     post = math.dist(start[:2], (0.0, 0.6 + 0.17 + SETTINGS.map_clearance))
     assert 2.0 * post < path.length < 1.06 * 2.0 * post
-    with pytest.raises(NoPathFound, match='obstacles of the map'):
+    with pytest.raises(NoPathFound) as failure:
         plan_path(robot, obj, ASIDE, start, goal, SETTINGS, occupancy_map=room_with_door(0.4))
+    assert failure.value.report.code is PathFailure.NO_ROUTE
 
 
 def test_the_object_in_the_door_is_an_obstacle_too():
     """The robot can neither push through nor get past."""
     start, goal = Pose(-1.5, 0.0, 0.0), Pose(1.5, 0.0, 0.0)
-    with pytest.raises(NoPathFound, match='obstacles of the map, or the object between them'):
+    with pytest.raises(NoPathFound) as failure:
         plan_path(ROBOTS['holonomic'], box(), Pose(0.0, 1.0, 0.0), start, goal, SETTINGS,
                   occupancy_map=room_with_door(0.8))
+    assert failure.value.report.code is PathFailure.NO_ROUTE
 
 
 def test_one_side_of_the_object_is_walled_up():
@@ -124,12 +126,14 @@ def test_a_robot_close_to_a_wall_can_leave():
     assert clearance_there < robot.radius + SETTINGS.map_clearance
     on_path = occupancy_map.clearance(sample_path(path, robot, 0.02)[:, :2])
     assert on_path.min() >= clearance_there - 1e-9
-    with pytest.raises(NoPathFound, match='the robot at -0.10 m, -1.00 m is in an obstacle'):
+    with pytest.raises(NoPathFound) as failure:
         plan_path(robot, obj, ASIDE, Pose(-0.1, -1.0, 0.0), goal, SETTINGS,
                   occupancy_map=occupancy_map)
-    with pytest.raises(NoPathFound, match='the goal of the path, -0.10 m, -1.00 m, is too near'):
+    assert failure.value.report == PathFailure.START_IN_OBSTACLE.report(x=-0.1, y=-1.0)
+    with pytest.raises(NoPathFound) as failure:
         plan_path(robot, obj, ASIDE, goal, Pose(-0.1, -1.0, 0.0), SETTINGS,
                   occupancy_map=occupancy_map)
+    assert failure.value.report == PathFailure.GOAL_NEAR_OBSTACLE.report(x=-0.1, y=-1.0)
 
 
 def test_a_free_map_changes_nothing():

@@ -5,6 +5,7 @@ import logging
 from types import SimpleNamespace
 
 from geometry_msgs.msg import PoseStamped
+from push_control.events import TaskEvent
 from push_control.goal import GoalOutcome, GoalProgress, PushGoal
 from push_control.ros.goal_entry import GoalEntry
 from push_control.ros.start_state import StartState
@@ -30,10 +31,10 @@ class Robot:
         self.goals.append(goal)
         self.is_commanding = True
 
-    def cancel(self, reason):
+    def cancel(self, cause):
         """Back off."""
 
-    def halt(self, reason):
+    def halt(self, cause):
         """Stand at once."""
         self.is_commanding = False
 
@@ -69,7 +70,7 @@ def test_a_goal_for_another_object_waits_until_the_robot_stands(goals, robot):
 @pytest.mark.parametrize('end, outcome', [
     (lambda goals: goals.cancel(), GoalOutcome.CANCELLED),
     (lambda goals: goals.start(FIRST), GoalOutcome.REPLACED),
-    (lambda goals: goals.interrupt(GoalOutcome.INTERRUPTED, 'time went back'),
+    (lambda goals: goals.interrupt(GoalOutcome.INTERRUPTED, TaskEvent.TIME_WENT_BACK.report()),
      GoalOutcome.INTERRUPTED)], ids=['cancelled', 'replaced', 'interrupted'])
 def test_a_goal_that_waits_may_end(goals, robot, end, outcome):
     """It never begins, and its client is told once."""
@@ -93,7 +94,7 @@ def test_a_cancelled_goal_ends_where_odometry_is_lost(goals, robot):
     assert handle.outcome is None
     goals.on_odometry_lost()
     assert handle.outcome is GoalOutcome.CANCELLED and not robot.is_commanding
-    assert 'no odometry' in handle.reason
+    assert handle.cause.code is TaskEvent.ODOMETRY_LOST
 
 
 def test_time_passes_where_odometry_is_lost(goals, robot):

@@ -7,6 +7,7 @@ from push_control.controller_node import ControllerNode
 from push_control.goal import GoalOutcome, PushGoal, PushState
 from push_control.steered.status import Phase
 from push_model.contact import find_contact
+from push_model.events import codes, PushEvent
 from push_model.files.flat_values import to_parameter_values
 from push_model.geometry import Pose
 from push_model.plan_request import PlanFailure
@@ -18,6 +19,7 @@ from push_ros.conversions.plan import no_plan_message, to_plan_message
 from push_ros.conversions.primitives import exact_stamp
 from push_ros.parameters import READ_ONLY
 from push_ros.topics import CONTROLLER
+from push_safety.status import SafetyReason
 from push_scenario.dds.private_network import private_domain
 from push_scenario.definition.loader import load_scenario
 import pytest
@@ -178,9 +180,10 @@ def test_a_goal_ends_where_no_pose_comes_that_is_newer(node: ControllerNode) -> 
             handle = node.controller.goals.start(PushGoal(GOAL))
         if k == 500:
             assert pursuit.progress.state is PushState.PLANNING
-            assert 'object pose is stale' in pursuit.progress.reason
+            assert pursuit.progress.cause.code is PushEvent.OBJECT_POSE_STALE
     assert handle is not None and handle.outcome is GoalOutcome.FAILED
-    assert 'object pose is stale' in handle.reason and not pursuit.has_open_request
+    assert handle.cause.codes == (
+        PushEvent.GAVE_UP_WAITING, PushEvent.OBJECT_POSE_STALE) and not pursuit.has_open_request
 
 
 def test_a_plan_is_requested_while_a_simulation_holds_its_time(node: ControllerNode) -> None:
@@ -271,10 +274,12 @@ def test_a_push_waits_for_resume_after_an_emergency_stop(
     base = stopped_push(node, monkeypatch)
     commands = base.run(3.0)
     assert len(commands) == 300 and set(commands) == {STOP}
-    assert base.handle.outcome is None and 'controller/resume' in base.pursuit.progress.reason
+    assert base.handle.outcome is None
+    assert SafetyReason.BASE_STOOD in codes(base.pursuit.progress.cause)
     assert base.pursuit.resume().success
     assert any(twist != STOP for twist in base.run(0.5))
-    assert base.pursuit.progress.state is PushState.PUSHING and not base.pursuit.progress.reason
+    assert base.pursuit.progress.state is PushState.PUSHING
+    assert base.pursuit.progress.cause is None
     assert not base.pursuit.resume().success
 
 
@@ -308,7 +313,8 @@ def test_a_push_goes_on_where_there_is_no_plan_to_another_goal(
     node.controller.on_plan(no_plan_message(
         PlanFailure.BLOCKED, exact_stamp(request_stamp(node)), 'odom'))
     commands = base.run(0.5)
-    assert handle.outcome is GoalOutcome.NO_PLAN and PlanFailure.BLOCKED.value in handle.reason
+    assert handle.outcome is GoalOutcome.NO_PLAN
+    assert PlanFailure.BLOCKED in handle.cause.codes
     assert STOP not in commands and base.pursuit.is_commanding
     assert not base.pursuit.has_open_request
 

@@ -5,6 +5,7 @@ import math
 
 from helpers.fuzzing import hypothesis, settings, st, STEPS, STEPS_PER_EXAMPLE
 from hypothesis.stateful import initialize, invariant, rule, RuleBasedStateMachine
+from push_control.events import TaskEvent
 from push_control.task.status import TaskState
 from push_control.task.supervisor import Supervisor
 from push_model.geometry import Pose, wrap_angle
@@ -19,6 +20,7 @@ import pytest
 
 PERIOD = 0.05
 SCENARIO = load_scenario('straight_push')
+NO_MAP = TaskEvent.NO_USABLE_MAP.report(map_fault='no map')
 TASK = load_scenario('task_tap').task
 ROBOT = SCENARIO.robot
 # As messages are read, and what is not finite.
@@ -115,9 +117,9 @@ class Machine(RuleBasedStateMachine):
         if name in ('pause', 'resume'):
             getattr(self.supervisor, name)()
         elif name in ('hold', 'free'):
-            self.supervisor.hold('no map' if name == 'hold' else '')
+            self.supervisor.hold(NO_MAP if name == 'hold' else None)
         else:
-            getattr(self.supervisor, name)(f'reason to {name}')
+            getattr(self.supervisor, name)(TaskEvent.STOPPED_BY_USER.report())
 
     @rule()
     def go_back(self):
@@ -140,7 +142,7 @@ class Machine(RuleBasedStateMachine):
         if not hasattr(self, 'supervisor'):
             return
         status = self.supervisor.status
-        assert status.state is not TaskState.FAILED or status.reason
+        assert status.state is not TaskState.FAILED or status.reason and status.codes
         assert status.failure is None or status.state is TaskState.FAILED
 
 

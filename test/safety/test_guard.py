@@ -60,7 +60,7 @@ def test_the_controller_is_told_of_a_fault_before_it_decides_on_that_measurement
     sent = guard(layer, controller, jumped)
     (told, fault, stop), (asked, believed) = controller.calls
     assert (told, asked) == ('told', 'asked')
-    assert fault is not None and fault.reason is SafetyReason.ODOMETRY_JUMPED and stop is fault
+    assert fault is not None and fault.code is SafetyReason.ODOMETRY_JUMPED and stop is fault
     assert believed.odometry is jumped.odometry and sent == STOP
 
 

@@ -142,7 +142,7 @@ def test_a_base_that_does_something_else_is_stopped(heed, reason, limit):
     """Soon, and for its reason; standing for a while it may go on."""
     layer, base = SafetyLayer(ROBOTS['differential'], BOX), Base(ROBOTS['differential'])
     time, report = driven(layer, base, Twist(0.2, 0.0, 0.0), 3.0, heed=heed)
-    assert time < limit and report.reason is reason
+    assert time < limit and report.code is reason
     for _ in range(100):
         layer.observe(base.odometry)
         assert layer.report is None or layer.filter(Twist(0.2, 0.0, 0.0), 0.0) == STOP
@@ -205,7 +205,7 @@ def test_a_base_that_now_and_then_follows_less_closely_is_stopped_once():
     def loaded(sent):
         return Twist(0.86 * sent.v_x, 0.0, sent.omega)
     time, report = driven(layer, base, command, 3.0, heed=loaded)
-    assert time < 3.0 and report.reason is SafetyReason.NOT_MOVING
+    assert time < 3.0 and report.code is SafetyReason.NOT_MOVING
     for _ in range(100):
         layer.observe(base.odometry)
         base.drive(STOP)
@@ -274,7 +274,7 @@ def test_a_base_that_moves_while_it_is_commanded_to_stand_is_named_at_once():
     layer, base = SafetyLayer(ROBOTS['differential'], BOX), Base(ROBOTS['differential'])
     driven(layer, base, Twist(0.15, 0.0, 0.3), 2.0)
     time, report = driven(layer, base, STOP, 2.0, heed=lambda sent: Twist(0.15, 0.0, 0.3))
-    assert time < 0.7 and report.reason is SafetyReason.MOVES_OTHERWISE
+    assert time < 0.7 and report.code is SafetyReason.MOVES_OTHERWISE
     for _ in range(50):
         layer.observe(base.drive(Twist(0.15, 0.0, 0.3)))
     assert layer.report is report
@@ -293,7 +293,7 @@ def test_a_base_that_follows_late_is_named_as_such():
                                 base.odometry.time))
         if layer.report is not None and layer.report not in reports:
             reports.append(layer.report)
-    late = [report for report in reports if report.reason is SafetyReason.FOLLOWS_LATE]
+    late = [report for report in reports if report.code is SafetyReason.FOLLOWS_LATE]
     assert late and late[0].values['delay'] == pytest.approx(0.5, abs=0.11)
 
 
@@ -310,7 +310,7 @@ def test_odometry_that_contradicts_itself_stops_the_robot(spoil, reason):
     command = Twist(0.3, 0.0, 0.1)
     assert driven(layer, base, command, 1.0) == (pytest.approx(1.0, abs=PERIOD), None)
     time, report = driven(layer, base, command, 2.0, spoil)
-    assert time < MAX_RESPONSE_TIME and report.reason is reason
+    assert time < MAX_RESPONSE_TIME and report.code is reason
 
 
 def test_a_twist_that_is_never_filled_in_stops_the_robot():
@@ -318,7 +318,7 @@ def test_a_twist_that_is_never_filled_in_stops_the_robot():
     layer, base = SafetyLayer(ROBOTS['holonomic'], BOX), Base(ROBOTS['holonomic'])
     time, report = driven(layer, base, Twist(0.0, 0.3, 0.0), 2.0,
                           lambda odometry: odometry._replace(twist=STOP))
-    assert time < 0.5 and report.reason is SafetyReason.ODOMETRY_CONTRADICTORY
+    assert time < 0.5 and report.code is SafetyReason.ODOMETRY_CONTRADICTORY
 
 
 def test_a_heading_beside_the_motion_stops_the_robot():
@@ -330,7 +330,7 @@ def test_a_heading_beside_the_motion_stops_the_robot():
                 *(1.35 * value for value in odometry.twist))), SafetyReason.ODOMETRY_SCALE)):
         layer, base = SafetyLayer(ROBOTS['differential'], BOX), Base(ROBOTS['differential'])
         time, report = driven(layer, base, Twist(0.1, 0.0, 0.1), 5.0, spoil)
-        assert time < 3.5 and report.reason is reason and report.reason.is_of_odometry
+        assert time < 3.5 and report.code is reason and report.code.is_of_odometry
 
 
 def test_a_clock_that_falls_back_stops_the_robot_and_nothing_has_jumped():
@@ -343,10 +343,10 @@ def test_a_clock_that_falls_back_stops_the_robot_and_nothing_has_jumped():
         def late(odometry):
             return odometry._replace(time=odometry.time - 0.5, pose=moved @ odometry.pose)
         time, report = driven(layer, base, Twist(0.3, 0.0, 1.0), 1.0, late)
-        assert report.reason is SafetyReason.CLOCK_FELL_BACK and time < 5 * PERIOD
+        assert report.code is SafetyReason.CLOCK_FELL_BACK and time < 5 * PERIOD
         # The base obeys nobody until it has caught up.
         faults = [layer.observe(late(base.drive(Twist(0.3, 0.0, 1.0)))) for _ in range(30)]
-        found = {fault.reason for fault in faults if fault} - {SafetyReason.CLOCK_FELL_BACK}
+        found = {fault.code for fault in faults if fault} - {SafetyReason.CLOCK_FELL_BACK}
         assert found - {SafetyReason.MOVES_OTHERWISE} == ({expected} if expected else set())
 
 
@@ -369,7 +369,7 @@ def test_a_twist_in_world_axes_is_a_fault_of_odometry_and_not_of_the_base():
         v_x, v_y = odometry.pose.rotate(odometry.twist[:2])
         return odometry._replace(twist=Twist(v_x, v_y, odometry.twist.omega))
     time, report = driven(layer, base, Twist(0.3, 0.0, 0.1), 2.0, in_world_axes)
-    assert time < MAX_RESPONSE_TIME and report.reason.is_of_odometry
+    assert time < MAX_RESPONSE_TIME and report.code.is_of_odometry
 
 
 @pytest.mark.parametrize('angle', [0.3, 1.0, -2.0])
@@ -386,7 +386,7 @@ def test_axes_of_a_twist_that_are_right_again_let_the_robot_go_on(angle):
     # That it is odometry, and not the base, shows while the robot comes to rest.
     for _ in range(10):
         layer.observe(turned(base.drive(layer.filter(STOP, base.odometry.time))))
-    assert layer.report.reason.is_of_odometry and time < 2.5
+    assert layer.report.code.is_of_odometry and time < 2.5
     for _ in range(100):
         layer.observe(turned(base.drive(layer.filter(STOP, base.odometry.time))))
     assert layer.state is SafetyState.CLEAR
@@ -466,7 +466,7 @@ def test_who_else_commands_the_base_is_named():
     assert driven(layer, base, Twist(0.2, 0.0, 0.0), 1.0) == (pytest.approx(1.0), None)
     _, report = driven(layer, base, Twist(0.2, 0.0, 0.0), 3.0,
                        heed=lambda sent: Twist(0.0, 0.0, 1.0))
-    assert report.reason is SafetyReason.COMMANDED_BY_OTHERS and '/teleop' in str(report)
+    assert report.code is SafetyReason.COMMANDED_BY_OTHERS and '/teleop' in str(report)
 
 
 @pytest.mark.parametrize('drive', ROBOTS)
@@ -486,7 +486,7 @@ def test_odometry_that_has_stood_still_and_catches_up_has_not_jumped(drive):
         found = layer.observe(here._replace(time=here.time + 2 * PERIOD))
         assert distance(frozen.pose, here.pose) > 0.05 and found is None
         assert (layer.report is not None
-                and layer.report.reason is SafetyReason.ODOMETRY_JUMPED) is not is_explained
+                and layer.report.code is SafetyReason.ODOMETRY_JUMPED) is not is_explained
 
 
 def test_frozen_odometry_stops_the_robot():
@@ -496,7 +496,7 @@ def test_frozen_odometry_stops_the_robot():
     frozen = base.odometry
     time, report = driven(layer, base, Twist(0.3, 0.0, 0.0), 2.0,
                           lambda odometry: frozen._replace(time=odometry.time))
-    assert time < MAX_RESPONSE_TIME and report.reason is SafetyReason.ODOMETRY_FROZEN
+    assert time < MAX_RESPONSE_TIME and report.code is SafetyReason.ODOMETRY_FROZEN
 
 
 @pytest.mark.parametrize('speed', [0.03, 0.06, 0.2])
@@ -518,7 +518,7 @@ def test_odometry_that_is_rounded_does_not_repeat_a_pose(speed):
     frozen = base.odometry.pose
     time, report = driven(layer, base, Twist(-speed, 0.0, 0.0), 2.0,
                           spoil=lambda odometry: odometry._replace(pose=frozen))
-    assert report.reason is SafetyReason.ODOMETRY_FROZEN and time * speed < 0.041
+    assert report.code is SafetyReason.ODOMETRY_FROZEN and time * speed < 0.041
 
 
 def test_a_base_that_fails_again_soon_stands_for_longer():
@@ -550,7 +550,7 @@ def test_a_command_that_is_not_finite_stops_the_robot():
     """Until it has stood for a while."""
     layer, base = SafetyLayer(ROBOTS['differential'], BOX), Base(ROBOTS['differential'])
     assert layer.filter(Twist(math.nan, 0.0, 0.0), 0.0) == STOP
-    assert layer.report.reason is SafetyReason.COMMAND_NOT_FINITE
+    assert layer.report.code is SafetyReason.COMMAND_NOT_FINITE
     time, _ = driven(layer, base, Twist(0.1, 0.0, 0.0), 1.0)
     assert time == 0.0
     for _ in range(round((REST_TIME + 0.1) / PERIOD)):

@@ -167,7 +167,7 @@ def test_a_base_that_does_something_else_is_stopped_soon_at_every_phase(
         assert fault is not None
         time, beside, report = fault
         assert since < time <= since + max_time + 2.0 * period and beside < 0.02
-        assert report.reason.is_of_motion
+        assert report.code.is_of_motion
 
 
 @pytest.mark.slow
@@ -210,4 +210,4 @@ def test_left_and_right_make_no_difference(heed: Heed, phase: float) -> None:
     fault, image = (Base().first_fault(waves(0.2), 8.0, heed, since=3.0 + phase,
                                        is_mirrored=is_mirrored) for is_mirrored in (False, True))
     assert fault is not None and image is not None
-    assert fault[:2] == image[:2] and fault[2].reason is image[2].reason
+    assert fault[:2] == image[:2] and fault[2].code is image[2].code

@@ -114,10 +114,10 @@ def test_axes_of_the_world_and_its_mirror_image_make_no_difference(
         elsewhere = right.first_fault(lambda index, message: spoil(index, message)._replace(
             pose=axes @ spoil(index, message).pose))
         assert elsewhere is not None and elsewhere[0] == fault[0]
-        assert elsewhere[1].reason is fault[1].reason
+        assert elsewhere[1].code is fault[1].code
         assert elsewhere[1].values == pytest.approx(fault[1].values, abs=1e-6)
     image = right.first_fault(lambda index, message: mirrored(spoil(index, message)))
-    assert image is not None and image[0] == fault[0] and image[1].reason is fault[1].reason
+    assert image is not None and image[0] == fault[0] and image[1].code is fault[1].code
 
 
 @pytest.mark.parametrize('start', [0.0, 0.9, 2.3, 3.1])
@@ -131,7 +131,7 @@ def test_units_and_axes_that_are_wrong_show_within_a_path(
     first = round(start / right.period)
     fault = right.first_fault(
         lambda index, message: spoil(index, message) if index >= first else message)
-    assert fault is not None and fault[1].reason.is_of_odometry and fault[0] >= first
+    assert fault is not None and fault[1].code.is_of_odometry and fault[0] >= first
     assert right.path_length(first, fault[0]) < 2.2 * DIRECTION_PATH
 
 
@@ -149,7 +149,7 @@ def test_a_jump_shows_at_once_in_any_direction(seed: int, angle: float) -> None:
                           message.pose.theta))
         fault = right.first_fault(jumped(far))
         assert fault is not None and fault[0] == at
-        assert fault[1].reason is SafetyReason.ODOMETRY_JUMPED
+        assert fault[1].code is SafetyReason.ODOMETRY_JUMPED
         assert fault[1].values['distance'] == pytest.approx(math.hypot(*far), abs=0.02)
         assert right.first_fault(jumped(near)) is None
 
@@ -162,6 +162,6 @@ def test_a_pose_that_repeats_itself_while_the_robot_drives_is_frozen(seed: int) 
         frozen = right.messages[at].pose
         fault = right.first_fault(
             lambda index, message: message if index < at else message._replace(pose=frozen))
-        assert fault is not None and fault[1].reason.is_of_odometry
+        assert fault is not None and fault[1].code.is_of_odometry
         late = right.messages[fault[0]].time - right.messages[at].time
         assert late <= max(0.15, 3.0 * right.period) + 1.01 * right.period

@@ -52,7 +52,7 @@ def test_an_outlier_is_held_back_and_an_object_that_was_moved_is_not():
     last = checked(check, poses)
     far = last._replace(time=last.time + PERIOD, pose=Pose(1.0, 0.0, 0.0))
     assert check.check(far) == last
-    assert check.fault.reason is PushEvent.OBJECT_POSE_JUMPS
+    assert check.fault.code is PushEvent.OBJECT_POSE_JUMPS
     assert check.fault.values['distance'] == pytest.approx(1.0, abs=0.01)
     back = last._replace(time=far.time + PERIOD)
     assert check.check(back) == back and check.fault is None

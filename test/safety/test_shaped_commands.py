@@ -65,7 +65,7 @@ def test_without_what_is_stated_the_same_base_is_stopped(drive):
     stated = dataclasses.replace(robot, min_speed=0.0, min_yaw_rate=0.0)
     _, layer, base = driven(robot, stated, 2.0, Twist(0.045, 0.0, 0.0))
     assert base.odometry_pose.x == 0.0
-    assert layer.report.reason is SafetyReason.NOT_MOVING
+    assert layer.report.code is SafetyReason.NOT_MOVING
 
 
 @pytest.mark.parametrize('drive', ['differential', 'holonomic'])

@@ -5,6 +5,7 @@ import math
 from typing import NamedTuple
 
 from push_control.behaviors.progress import MAX_SAFETY_STOPS
+from push_control.events import TaskEvent
 from push_control.settings import ControlSettings
 from push_control.steered.controller import Controller
 from push_control.task.stand_reasons import STOP_TIME_LIMIT
@@ -68,7 +69,8 @@ def test_a_base_that_was_away_for_long_does_not_set_off_again(length: float,
     driven = drive(length, speed=speed)
     assert not driven.is_driven(2.0 + length, math.inf)
     assert driven.layer.awaits_resume
-    assert 'controller/resume' in str(driven.layer.report)
+    assert driven.layer.report.code in (
+        SafetyReason.BASE_STOOD, SafetyReason.ODOMETRY_WAS_MISSING)
 
 
 @pytest.mark.parametrize('length', [0.3, 1.0, 2.0])
@@ -148,10 +150,10 @@ def wait(made: Supervisor | Controller, duration: float = STOP_TIME_LIMIT + 2.0)
 def test_a_task_waits_without_an_end_and_goes_on_when_it_is_told() -> None:
     """Nothing counts as a failure meanwhile."""
     made = supervisor()
-    assert made.status.reason == str(STOOD) and made.recoveries == 0
+    assert made.cause is STOOD and made.recoveries == 0
     made.resume()
     assert not made.awaits_resume and made.state is TaskState.PLAN
-    assert made.history[-1].reason == 'resumed'
+    assert made.history[-1].codes == (TaskEvent.RESUMED,)
 
 
 def test_whoever_lets_a_task_go_on_has_looked_after_the_stops_before() -> None:
@@ -177,7 +179,7 @@ def test_another_goal_lets_a_task_go_on_and_the_end_of_it_does_not_move_the_robo
     made.set_goal(SCENARIO.goal.pose)
     assert not made.awaits_resume
     made = supervisor()
-    made.cancel('cancelled')
+    made.cancel(TaskEvent.GOAL_CANCELLED.report())
     assert made.state is TaskState.IDLE and not made.awaits_resume
     made.set_goal(SCENARIO.goal.pose)
     assert not made.awaits_resume

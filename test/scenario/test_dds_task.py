@@ -4,6 +4,7 @@ import dataclasses
 
 from helpers.extras import import_extra
 import numpy as np
+from push_control.events import TaskEvent
 from push_control.task.status import TaskState
 from push_model.geometry import distance
 from push_ros.conversions.primitives import nanoseconds
@@ -58,7 +59,7 @@ def test_a_goal_that_changes_in_between_is_reached(twice):
     """From the time on that the scenario says."""
     assert distance(twice[0].tape.poses('object')[-1], LATER.goal.pose) < NEAR
     for result in twice:
-        changed, = [change for change in result.history[1:] if change.reason == 'new goal']
+        changed, = [change for change in result.history[1:] if TaskEvent.NEW_GOAL in change.codes]
         assert changed.time == pytest.approx(LATER.time, abs=0.1)
 
 

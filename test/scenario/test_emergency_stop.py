@@ -8,6 +8,7 @@ from push_control.steered.status import Phase
 from push_control.task.status import TaskState
 from push_control.task.supervisor import Supervisor
 from push_model.signals import STOP
+from push_safety.status import SafetyReason
 from push_scenario.definition.loader import load_scenario
 from push_scenario.definition.scenario import Scenario
 from push_scenario.simulation.loop import simulate
@@ -19,6 +20,8 @@ pytestmark = pytest.mark.slow
 
 TASK, PUSH = load_scenario('task_tap'), load_scenario('curved_push')
 LENGTH, WAITING_TIME = 5.0, 8.0
+# Stops after which the robot waits for a word.
+AWAITED = {SafetyReason.BASE_STOOD, SafetyReason.ODOMETRY_WAS_MISSING}
 
 
 class EmergencyStop:
@@ -42,7 +45,7 @@ class EmergencyStop:
         self._injection(simulation, robot)
         if simulation.time >= self._word_at and not self._is_said:
             self._is_said = True
-            self.waits = robot.awaits_resume and 'controller/resume' in robot.status.reason
+            self.waits = robot.awaits_resume and bool(AWAITED.intersection(robot.status.codes))
             self._word(robot)
 
     @property

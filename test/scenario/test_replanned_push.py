@@ -3,6 +3,7 @@
 import dataclasses
 import math
 
+from push_model.events import PushEvent
 from push_scenario.definition.catalogue import find_scenario
 from push_scenario.definition.loader import read_scenario
 from push_scenario.simulation.loop import simulate
@@ -32,7 +33,7 @@ def astray(law, limit):
 def test_a_new_plan_brings_a_push_that_went_astray_to_its_goal(law):
     """Without one it ends beside the goal; with one at the goal, on the tape of one run."""
     alone, helped = astray(law, 0), astray(law, 1)
-    assert alone.outcome is Outcome.FAILED and 'beside the goal' in alone.reason
+    assert alone.outcome is Outcome.FAILED and PushEvent.GOAL_MISSED in alone.codes
     assert helped.outcome is Outcome.DONE
     assert helped.tape['time'][-1] > alone.tape['time'][-1] + 10.0
     goal = helped.scenario.goal

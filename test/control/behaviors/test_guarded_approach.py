@@ -12,6 +12,7 @@ from push_control.settings import ControlSettings
 from push_control.steered.start import robot_start_pose
 from push_control.supervision_settings import SupervisionSettings
 from push_model.contact import find_contact
+from push_model.events import PushEvent
 from push_model.geometry import distance, Pose
 from push_model.observation import Observation
 from push_model.parameters import RoundRobot
@@ -84,7 +85,7 @@ def test_a_missing_object_is_noticed_soon(drive, aside):
     """
     behavior, true, begin, _ = approach_box(drive, aside, there=False)
     assert not behavior.finished
-    assert behavior.failure.reason is BehaviorFailure.NO_CONTACT
+    assert behavior.failure.code is BehaviorFailure.NO_CONTACT
     gap = find_contact(box(), ORIGIN, begin[:2], 0.17)[2]
     length = max(0.0, gap) + SUPERVISION.probe_distance + 0.02
     stalled = length + CONTROL.start_speed * SUPERVISION.stall_timeout + max(0.0, gap)
@@ -95,7 +96,7 @@ def test_a_missing_object_is_noticed_soon(drive, aside):
 def test_a_stalled_robot_is_noticed(drive):
     """Its wheels stand: the time is limited."""
     behavior, _, _, time = approach_box(drive, moves=False)
-    assert behavior.failure.reason is BehaviorFailure.NO_CONTACT and time < 15.0
+    assert behavior.failure.code is BehaviorFailure.NO_CONTACT and time < 15.0
 
 
 @pytest.mark.parametrize('drive', ROBOTS)
@@ -103,4 +104,4 @@ def test_a_push_is_not_begun_beside_its_place(drive):
     """Farther aside than the controller tolerates, the behaviour fails by itself."""
     behavior, _, _, _ = approach_box(drive, 1.5 * CONTROL.start_tolerance)
     assert not behavior.finished
-    assert behavior.failure.reason is BehaviorFailure.PUSH_NOT_STARTED
+    assert behavior.failure.code is PushEvent.ROBOT_NOT_AT_START

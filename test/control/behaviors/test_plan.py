@@ -5,9 +5,11 @@ import math
 
 from helpers.objects import box
 from push_control.behaviors.behavior import Abort, BehaviorContext, NoPushNeeded
+from push_control.behaviors.failures import BehaviorFailure
 from push_control.behaviors.plan import MAX_GOAL_DISTANCE, PlanBehavior
 from push_control.behaviors.progress import (
     MAX_INSPECTIONS, ProgressMonitor, REST_REPORT_TIME, REST_TIME_LIMIT, RETRY_TIME)
+from push_control.events import PerceptionEvent, TaskEvent
 from push_control.goal import TaskFailure, TaskGoal
 from push_control.perception.perception import TaskPerception
 from push_control.settings import ControlSettings
@@ -64,7 +66,7 @@ def test_a_plan_is_requested_once_the_object_was_at_rest_for_long_enough():
     assert (request.position_tolerance, request.heading_tolerance) == bench.progress.aim
     bench.run(2.0)
     assert bench.behavior.plan_request is request
-    assert not bench.behavior.finished and bench.behavior.waiting_reason == ''
+    assert not bench.behavior.finished and bench.behavior.waiting_cause is None
 
 
 def test_a_plan_is_requested_from_poses_that_are_newer_than_the_goal():
@@ -109,7 +111,7 @@ def test_an_object_whose_poses_are_biased_is_looked_at_until_that_is_too_often()
         bench.start(HOME)
     bench.run(1.0)
     assert isinstance(bench.behavior.result, Abort)
-    assert 'standard errors' in bench.behavior.result.reason
+    assert bench.behavior.result.cause.code is TaskEvent.GOAL_UNCERTAIN
 
 
 def test_a_goal_in_another_unit_is_no_task():
@@ -117,7 +119,8 @@ def test_a_goal_in_another_unit_is_no_task():
     bench = Bench(goal=Pose(2.0 * MAX_GOAL_DISTANCE, 0.0, 0.0))
     bench.run(1.0)
     assert bench.behavior.result.failure is TaskFailure.NO_PLAN
-    assert '400 m away' in bench.behavior.result.reason
+    assert bench.behavior.result.cause.code is TaskEvent.GOAL_TOO_FAR
+    assert bench.behavior.result.cause.values['distance'] == pytest.approx(2.0 * MAX_GOAL_DISTANCE)
 
 
 def test_a_task_without_progress_is_given_up():
@@ -125,11 +128,12 @@ def test_a_task_without_progress_is_given_up():
     bench = Bench()
     bench.run(1.0)
     for _ in range(SUPERVISION.max_attempts):
-        bench.progress.count_attempt('the object has gone')
+        bench.progress.count_attempt(BehaviorFailure.OBJECT_NOT_FOUND.report())
     bench.start(GOAL)
     bench.run(1.0)
     assert bench.behavior.result.failure is TaskFailure.NO_PROGRESS
-    assert 'the object has gone' in bench.behavior.result.reason
+    assert bench.behavior.result.cause.codes == (
+        TaskEvent.ATTEMPTS_FAILED, BehaviorFailure.OBJECT_NOT_FOUND)
 
 
 def test_no_plan_is_requested_soon_after_there_was_none():
@@ -153,13 +157,13 @@ def test_an_object_that_moves_by_itself_is_waited_for_and_given_up():
     """The reason is stated after a while, in all states of planning together."""
     bench = Bench()
     bench.run(REST_REPORT_TIME - PERIOD, speed=0.5)
-    assert bench.behavior.waiting_reason == ''
+    assert bench.behavior.waiting_cause is None
     bench.run(4.0 * PERIOD, speed=0.5)
-    assert 'moves by itself' in bench.behavior.waiting_reason
+    assert bench.behavior.waiting_cause.code is PerceptionEvent.OBJECT_MOVES
     bench.run(0.5 * REST_TIME_LIMIT, speed=0.5)
     bench.start(GOAL)
     bench.run(0.5 * REST_TIME_LIMIT - REST_REPORT_TIME - 1.0, speed=0.5)
-    assert bench.behavior.result is None and bench.behavior.waiting_reason
+    assert bench.behavior.result is None and bench.behavior.waiting_cause is not None
     bench.run(3.0, speed=0.5)
     assert bench.behavior.result.failure is TaskFailure.NOT_AT_REST
     assert bench.behavior.plan_request is None

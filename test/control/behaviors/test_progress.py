@@ -5,10 +5,12 @@ import math
 
 from helpers.objects import box
 from helpers.straight_pushes import straight_push
+from push_control.behaviors.failures import BehaviorFailure
 from push_control.behaviors.progress import (
     CAUTION_FACTOR, GoalCheck, MAP_FAILURES, MAP_TIME_LIMIT, MAX_INSPECTIONS, MAX_SAFETY_STOPS,
     MIN_CONE_FRACTION, ProgressMonitor, REST_REPORT_TIME, REST_TIME_LIMIT, RestClock,
     WAYPOINT_DISTANCE, WAYPOINTS_PER_ATTEMPT)
+from push_control.events import TaskEvent
 from push_control.goal import TaskFailure
 from push_control.perception.object_at_rest import ObjectAtRest
 from push_control.settings import ControlSettings
@@ -51,14 +53,14 @@ def test_noise_is_averaged_for_as_long_as_it_asks_for():
     assert monitor.check_goal(AT_GOAL._replace(heading_error=noisy.heading_error),
                               GOAL) is GoalCheck.UNCERTAIN
     assert monitor.check_goal(noisy, GOAL) is GoalCheck.UNCERTAIN
-    assert '30 s at most' in monitor.averaging_reason(noisy)
+    assert monitor.averaging_report(noisy).values['limit'] == SUPERVISION.averaging_time_limit
     assert monitor.check_goal(noisy._replace(duration=SUPERVISION.averaging_time_limit),
                               GOAL) is GoalCheck.MISSED
     precise = noisy._replace(heading_error=0.16 * SUPERVISION.heading_tolerance)
     assert monitor.check_goal(precise, GOAL) is GoalCheck.REACHED
     rotated = GOAL._replace(theta=GOAL.theta + 0.7 * SUPERVISION.heading_tolerance)
     assert monitor.check_goal(precise._replace(pose=rotated), GOAL) is GoalCheck.MISSED
-    assert monitor.averaging_reason(AT_GOAL) == ''
+    assert monitor.averaging_report(AT_GOAL) is None
 
 
 def test_what_noise_makes_of_the_error_is_no_progress():
@@ -67,7 +69,7 @@ def test_what_noise_makes_of_the_error_is_no_progress():
     for _ in range(SUPERVISION.max_attempts):
         monitor.check_goal(beside_goal(0.01)._replace(position_error=0.005), GOAL)
         monitor.count_attempt()
-    assert monitor.abort_reason
+    assert monitor.abort_cause is not None
 
 
 def test_attempts_count_from_the_last_progress():
@@ -77,10 +79,11 @@ def test_attempts_count_from_the_last_progress():
         for _ in range(SUPERVISION.max_attempts - 1):
             monitor.check_goal(beside_goal(error), GOAL)
             monitor.count_attempt()
-            assert not monitor.abort_reason
+            assert monitor.abort_cause is None
     monitor.check_goal(beside_goal(0.4), GOAL)
-    monitor.count_attempt('slipped')
-    assert 'slipped' in monitor.abort_reason
+    monitor.count_attempt(BehaviorFailure.OBJECT_NOT_MOVED.report())
+    assert monitor.abort_cause.codes == (
+        TaskEvent.ATTEMPTS_FAILED, BehaviorFailure.OBJECT_NOT_MOVED)
 
 
 def test_stops_by_the_safety_layer_count_from_the_last_progress():
@@ -100,10 +103,10 @@ def test_pushes_to_waypoints_as_planned_are_no_failures():
     for number in range(30):
         monitor.check_goal(beside_goal(0.3 + 0.1 * number), GOAL)
         monitor.count_waypoint()
-        assert not monitor.abort_reason
+        assert monitor.abort_cause is None
     for _ in range(WAYPOINTS_PER_ATTEMPT * SUPERVISION.max_attempts):
         monitor.count_waypoint()
-    assert 'no progress' in monitor.abort_reason
+    assert monitor.abort_cause.code is TaskEvent.ATTEMPTS_USED_UP
 
 
 def test_an_object_that_goes_a_long_distance_round_makes_progress():
@@ -113,11 +116,11 @@ def test_an_object_that_goes_a_long_distance_round_makes_progress():
     for number in range(count):
         monitor.check_goal(beside_goal(0.1 + 0.02 * number), GOAL, 100.0 * 0.85 ** number)
         monitor.count_attempt()
-        assert not monitor.abort_reason
+        assert monitor.abort_cause is None
     for _ in range(SUPERVISION.max_attempts):
         monitor.check_goal(beside_goal(1.0), GOAL, 100.0)
         monitor.count_attempt()
-    assert monitor.abort_reason
+    assert monitor.abort_cause is not None
 
 
 def test_plans_become_more_careful_without_progress():
@@ -142,11 +145,12 @@ def test_the_same_planning_failure_twice_from_the_same_poses_aborts(code, reques
     """Whatever numbers its sentence has; not another failure, nor one from elsewhere."""
     monitor = ProgressMonitor(SUPERVISION, AIM)
     monitor.on_planning_failed(REQUEST, PlanFailure.TIPS, 'a wall 1.03 m high', 0.0)
-    assert not monitor.abort_reason
+    assert monitor.abort_cause is None
     monitor.on_planning_failed(request_, code, 'a wall 1.02 m high', 1.0)
-    assert ('1.02 m' in monitor.abort_reason) == aborts
+    assert (monitor.abort_cause is not None) == aborts
+    assert not aborts or monitor.abort_cause.codes == (TaskEvent.PLANNING_FAILED_AGAIN, code)
     monitor.forget_planning_failures()
-    assert not monitor.abort_reason
+    assert monitor.abort_cause is None
 
 
 def test_a_plan_that_cannot_be_used_tells_nothing_of_the_poses() -> None:
@@ -155,9 +159,9 @@ def test_a_plan_that_cannot_be_used_tells_nothing_of_the_poses() -> None:
     monitor.on_planning_failed(REQUEST, PlanFailure.TIPS, 'too high', 0.0)
     for time in (1.0, 2.0, 3.0):
         monitor.on_planning_failed(REQUEST, PlanFailure.INVALID_PLAN, 'begins elsewhere', time)
-        assert not monitor.abort_reason
+        assert monitor.abort_cause is None
     monitor.on_planning_failed(REQUEST, PlanFailure.TIPS, 'too high', 4.0)
-    assert monitor.abort_reason
+    assert monitor.abort_cause is not None
 
 
 @pytest.mark.parametrize('code', MAP_FAILURES)
@@ -167,7 +171,7 @@ def test_a_map_that_lets_the_object_through_is_waited_for(
     """However many others come before it; that is no attempt, and over after a while."""
     monitor, time, requests = ProgressMonitor(SUPERVISION, AIM), 0, 0
     monitor.check_goal(beside_goal(0.5), GOAL)
-    while not monitor.abort_reason:
+    while monitor.abort_cause is None:
         assert time <= MAP_TIME_LIMIT
         if not monitor.awaits_map(REQUEST, time):
             requests += 1
@@ -175,7 +179,8 @@ def test_a_map_that_lets_the_object_through_is_waited_for(
         time += 1
         if time % map_period == 0:
             monitor.forget_planning_failures()
-    assert time > MAP_TIME_LIMIT and 'a wall' in monitor.abort_reason
+    assert time > MAP_TIME_LIMIT and monitor.abort_cause.codes == (
+        TaskEvent.PLANNING_FAILED_FOR_LONG, code)
     # Twice in each map, and once more at last.
     assert requests <= 2 * (time // map_period + 1) + 1
     assert monitor.cone_fraction == 1.0 and monitor.failure is TaskFailure.NO_PLAN
@@ -190,7 +195,7 @@ def test_the_wait_for_a_map_ends_with_a_plan_or_where_the_object_is_elsewhere() 
     monitor.on_plan()
     assert not monitor.awaits_map(REQUEST, 3.0)
     monitor.on_planning_failed(REQUEST, PlanFailure.NOT_FREE, 'a wall', 2.0 * MAP_TIME_LIMIT)
-    assert not monitor.abort_reason
+    assert monitor.abort_cause is None
 
 
 def test_an_object_with_biased_poses_is_seen_from_other_sides():
@@ -200,9 +205,10 @@ def test_an_object_with_biased_poses_is_seen_from_other_sides():
     for _ in range(MAX_INSPECTIONS):
         assert monitor.check_goal(biased, GOAL) is GoalCheck.UNSEEN
         monitor.count_inspection(biased)
-        assert not monitor.abort_reason
+        assert monitor.abort_cause is None
     monitor.count_inspection(biased)
-    assert '10.0 mm' in monitor.abort_reason
+    assert monitor.abort_cause.code is TaskEvent.GOAL_UNCERTAIN
+    assert monitor.abort_cause.values['position'] == pytest.approx(10.0)
     beside = biased._replace(pose=GOAL._replace(y=GOAL.y + 0.02))
     assert monitor.check_goal(beside, GOAL) is GoalCheck.MISSED
 

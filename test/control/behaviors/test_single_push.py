@@ -93,7 +93,7 @@ def test_a_push_that_deviates_towards_a_wall_ends_before_it(wall: float, ends: b
         time = plant.time
     assert floor.object_is_free(box(), [plant.truth.object_pose], 0.0)
     nears = BehaviorFailure.OBJECT_NEARS_OBSTACLE, BehaviorFailure.ROBOT_NEARS_OBSTACLE
-    assert (push.failure is not None and push.failure.reason in nears) is ends
+    assert (push.failure is not None and push.failure.code in nears) is ends
     assert push.finished is not ends
 
 

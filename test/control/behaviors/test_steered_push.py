@@ -189,7 +189,7 @@ def test_a_push_off_its_path_tells_the_friction_centre_too():
     """As far as its centimetres go; the robot is where it was believed to be."""
     outcome = push(true=UNEVEN, unsure=0.0, friction=UNKNOWN,
                    supervision=SupervisionSettings(max_path_deviation=0.003))
-    assert outcome.behavior.failure.reason is BehaviorFailure.OFF_PLANNED_PATH
+    assert outcome.behavior.failure.code is BehaviorFailure.OFF_PLANNED_PATH
     assert not outcome.behavior.finished
     assert outcome.behavior.push_status.slips == outcome.behavior.push_status.contact_losses == 0
     assert 0.3 < outcome.center[1] / friction_center(UNEVEN)[1] < 1.3
@@ -223,7 +223,7 @@ def test_a_push_that_deviates_towards_a_wall_ends_before_it(side):
         outcome = push(true=true, occupancy_map=floor)
         assert floor.object_is_free(box(), [outcome.object_pose], 0.0)
         failure = outcome.behavior.failure
-        assert (failure is not None and failure.reason in NEARS_OBSTACLE) == ends
+        assert (failure is not None and failure.code in NEARS_OBSTACLE) == ends
         assert outcome.behavior.finished != ends
 
 

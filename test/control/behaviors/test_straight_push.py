@@ -157,7 +157,7 @@ def test_a_robot_that_is_not_at_the_object_gives_up(drive):
     target = straight_push(box(), MIDDLE, 0.1)
     course = act(target, backed_off(MIDDLE), drive=drive, error=Pose(0.0, 0.6, 0.0))
     assert not course.behavior.finished
-    assert course.behavior.failure.reason in (
+    assert course.behavior.failure.code in (
         BehaviorFailure.OBJECT_NOT_FOUND, BehaviorFailure.OBJECT_NOT_MOVED)
     assert course.commands[-1] == STOP
     assert course.behavior.push_status.phase is Phase.FAILED
@@ -173,7 +173,7 @@ def test_a_robot_that_touches_before_it_should_does_not_push_on():
     """It says so after some centimetres, and knows less about where it is."""
     target = straight_push(box(), MIDDLE, 0.1)
     course = act(target, backed_off(MIDDLE, 0.4), error=Pose(0.2, 0.0, 0.0))
-    assert course.behavior.failure.reason is BehaviorFailure.TOUCHED_EARLY
+    assert course.behavior.failure.code is BehaviorFailure.TOUCHED_EARLY
     assert course.commands[-1] == STOP
     assert 0.04 < course.simulation.truth.object_pose.x < 0.12
     localization = course.perception.localization

@@ -6,6 +6,7 @@ import math
 from helpers.objects import box
 from helpers.push_problems import HOLONOMIC
 import numpy as np
+from push_control.events import PerceptionEvent
 from push_control.perception.contact_consistency import MAX_CONTRADICTIONS, Touch
 from push_control.perception.ensemble.ensemble_state import RobotMemory
 from push_control.perception.lost_robot import (
@@ -81,9 +82,9 @@ def test_an_object_that_moves_ends_the_count_of_pushes_without_effect(
     lost = monitor()
     lost.observe(EFFECTLESS)
     lost.observe(EFFECTLESS)
-    assert lost.is_lost and lost.inconsistency
+    assert lost.is_lost and lost.inconsistency is not None
     assert lost.observe(event) is None
-    assert not lost.is_lost and not lost.inconsistency
+    assert not lost.is_lost and lost.inconsistency is None
 
 
 def test_contacts_that_never_fit_refute_the_estimate() -> None:
@@ -93,9 +94,10 @@ def test_contacts_that_never_fit_refute_the_estimate() -> None:
         assert not lost.is_refuted
         lost.observe(PushSucceeded(Touch.LATERAL, 1.0))
     assert lost.is_refuted
-    assert f'{MAX_CONTRADICTIONS} contacts in a row' in lost.inconsistency
+    assert lost.inconsistency.codes == (
+        PerceptionEvent.POSES_ELSEWHERE, PerceptionEvent.CONTACTS_DO_NOT_FIT)
     lost.observe(PushSucceeded(Touch.PUSHED, 2.0))
-    assert not lost.is_refuted and lost.inconsistency == ''
+    assert not lost.is_refuted and lost.inconsistency is None
 
 
 @pytest.mark.parametrize('angle', [0.0, 1.1, -2.5])
@@ -153,7 +155,7 @@ def test_a_mistake_of_the_tracker_is_undone_once_it_is_over(
         assert verdict.memory.odometry_pose == memory(1).odometry_pose
         assert verdict.stds == RESTORED_STD
     # What contacts seemed to show meanwhile was a mistake too.
-    assert (lost.inconsistency == '') == restores
+    assert (lost.inconsistency is None) == restores
 
 
 def test_what_is_driven_after_an_outlier_explains_no_displacement() -> None:

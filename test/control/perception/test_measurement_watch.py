@@ -43,7 +43,7 @@ def test_poses_that_are_late_again_and_again_are_named_with_what_to_change() -> 
                   [0.1 + i * PERIOD for i in range(150)])
     answers = [watch.update(stale(age) if age > 0.25 else None, i * PERIOD)
                for i, age in enumerate(late + gone + late)]
-    reasons = [None if answer is None else answer.reason for answer in answers]
+    reasons = [None if answer is None else answer.code for answer in answers]
     assert reasons[0] is reasons[399] is PushEvent.OBJECT_POSE_STALE
     for i in (249, -1):
         assert reasons[i] is PushEvent.OBJECT_POSES_LATE
@@ -60,7 +60,7 @@ def test_poses_that_are_always_late_are_named_so_too() -> None:
     """None of them is good; those of a tracker that is gone grow older."""
     watch = MeasurementWatch()
     answers = [watch.update(stale(0.3 + 0.05 * (i % 2)), i * PERIOD) for i in range(150)]
-    assert answers[-1] is not None and answers[-1].reason is PushEvent.OBJECT_POSES_LATE
+    assert answers[-1] is not None and answers[-1].code is PushEvent.OBJECT_POSES_LATE
     gone = MeasurementWatch()
     answers = [gone.update(stale(0.25 + i * PERIOD), i * PERIOD) for i in range(150)]
-    assert answers[-1] is not None and answers[-1].reason is PushEvent.OBJECT_POSE_STALE
+    assert answers[-1] is not None and answers[-1].code is PushEvent.OBJECT_POSE_STALE

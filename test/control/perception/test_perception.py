@@ -2,11 +2,11 @@
 
 import dataclasses
 import math
-import re
 
 from helpers.objects import bin_, box
 from helpers.push_problems import HOLONOMIC
 import numpy as np
+from push_control.events import PerceptionEvent
 from push_control.perception.ensemble.members import SCALE
 from push_control.perception.object_at_rest import (
     has_moved, NOISE_POSES, ObjectAtRest, StationarityWindow, Tap)
@@ -103,13 +103,11 @@ def test_an_object_that_moves_is_told_from_one_with_noisy_poses(speed, yaw_rate,
         standing.add(measured._replace(pose=there))
         moving.add(measured._replace(pose=Pose(
             there.x + speed * time, there.y, wrap_angle(there.theta + yaw_rate * time))))
-    assert 'moves by itself' in moving.motion_reason()
-    assert 'moves by itself' not in standing.motion_reason()
-    found = [float(number) for number in re.findall(r'[0-9]+[.]?[0-9]*', moving.motion_reason())]
-    assert found[0] == pytest.approx(speed, abs=0.03)
-    assert math.radians(found[1]) == pytest.approx(yaw_rate, abs=0.03)
-    (position, *_) = re.findall(r'([0-9.]+) mm', standing.motion_reason())
-    assert float(position) == pytest.approx(1e3 * noise * CONTROL.pose_noise, rel=0.4)
+    moves, rests = moving.motion_report(), standing.motion_report()
+    assert moves.code is PerceptionEvent.OBJECT_MOVES and rests.code is not moves.code
+    assert moves.values['speed'] == pytest.approx(speed, abs=0.03)
+    assert math.radians(moves.values['yaw_rate']) == pytest.approx(yaw_rate, abs=0.03)
+    assert rests.values['position'] == pytest.approx(1e3 * noise * CONTROL.pose_noise, rel=0.4)
 
 
 def seen(obj, robot_pose, object_pose, deviation):
@@ -282,7 +280,7 @@ def test_a_push_that_moves_the_object_ends_the_sum_of_those_that_noise_has_hidde
         perception.evaluate_push()
         perception.on_tapped(tap(perception.object_at_rest, 0.012))
         perception.restart_averaging(perception.time)
-    assert not perception.pose_inconsistency
+    assert perception.pose_inconsistency is None
 
 
 @pytest.mark.parametrize('angle, moves', [(0.11, False), (0.3, True)])
@@ -362,19 +360,24 @@ def test_poses_that_have_jumped_to_where_no_push_finds_the_object_are_named():
     robot_pose = Pose(-0.5, 0.1, 0.3)
     perception = seen(box(), robot_pose, ORIGIN, 0.0)
     look(perception, robot_pose, Pose(0.3, 0.0, 0.5), 10)
-    assert perception.pose_inconsistency == ''
+    assert perception.pose_inconsistency is None
     perception.on_push_without_effect()
-    assert 'have jumped by 0.30 m and 29 deg' in perception.pose_inconsistency
+    report = perception.pose_inconsistency
+    assert report.code is PerceptionEvent.POSES_JUMPED_ELSEWHERE
+    assert report.values['distance'] == pytest.approx(0.3, abs=0.005)
+    assert math.radians(report.values['rotation']) == pytest.approx(0.5, abs=0.01)
     look(perception, robot_pose, ORIGIN, 10)
-    assert perception.pose_inconsistency == ''
+    assert perception.pose_inconsistency is None
 
 
 def test_odometry_that_means_more_than_the_robot_moves_is_named():
     """By what the contacts have shown; a scale within its deviation is none."""
     perception = seen(box(), Pose(-1.0, 0.0, 0.0), Pose(0.0, 0.0, 0.0), 0.0)
-    assert perception.odometry_inconsistency == ''
+    assert perception.odometry_inconsistency is None
     perception.localization.members.parameters[:, SCALE] += 0.15
-    assert 'odometry means 15 % more motion than there is' in perception.odometry_inconsistency
+    report = perception.odometry_inconsistency
+    assert report.code is PerceptionEvent.ODOMETRY_TOO_LARGE
+    assert report.values['percentage'] == pytest.approx(15.0, abs=0.5)
 
 
 def test_poses_that_are_one_to_the_last_digit_are_known():

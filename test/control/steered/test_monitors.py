@@ -21,7 +21,7 @@ SEEN = ObjectPose(9.9, Pose(1.0, 2.0, 3.0))
 
 def event(report):
     """Return the code of a report, or None."""
-    return None if report is None else report.reason
+    return None if report is None else report.code
 
 
 @pytest.mark.parametrize('observation, expected', [

@@ -37,7 +37,7 @@ def test_the_floor_is_what_the_plan_needs_and_a_margin(setting, limit, side):
     inside, outside = beside(side * 0.98 * limit), beside(side * 1.02 * limit)
     assert bounds.check(inside, 0.0, 2.0, PERIOD) is None
     event = bounds.check(outside, 0.0, 2.0, PERIOD)
-    assert event is not None and event.reason is PushEvent.LEFT_FLOOR
+    assert event is not None and event.code is PushEvent.LEFT_FLOOR
     assert event.values['limit'] == limit < event.values['deviation']
     assert bounds.is_on_floor(np.array([beside(0.0), inside]))
     assert not bounds.is_on_floor(np.array([beside(0.0), inside, outside]))
@@ -51,7 +51,7 @@ def test_the_length_is_a_multiple_of_the_planned_one_and_a_margin(ratio):
     assert bounds.max_length == pytest.approx(limit)
     assert bounds.check(beside(0.0), limit - 0.01, 0.5, PERIOD) is None
     event = bounds.check(beside(0.0), limit + 0.01, 0.4, PERIOD)
-    assert event is not None and event.reason is PushEvent.PATH_TOO_LONG
+    assert event is not None and event.code is PushEvent.PATH_TOO_LONG
 
 
 def test_a_push_that_comes_nearer_goes_on_however_slowly():
@@ -69,7 +69,7 @@ def test_a_push_that_comes_no_nearer_ends_after_some_way_or_time(speed):
         event = bounds.check(beside(0.0), speed * PERIOD * count, 1.0, PERIOD)
         count += 1
         assert count < 2000
-    assert event.reason is PushEvent.NO_PROGRESS
+    assert event.code is PushEvent.NO_PROGRESS
     assert (count * PERIOD > STALL_TIME) is (speed == 0.0)
     bounds.restart()
     assert bounds.check(beside(0.0), speed * PERIOD * count, 1.5, PERIOD) is None

@@ -2,6 +2,7 @@
 
 import itertools
 
+from push_control.events import TaskEvent
 from push_control.goal import TaskFailure
 from push_control.task.stand_reasons import (
     LIMITS, MEASUREMENT_TIME_LIMIT, StandCause, StandReasons, STOP_TIME_LIMIT)
@@ -12,6 +13,7 @@ import pytest
 STOOD = SafetyReason.BASE_STOOD.report(duration=2.0)
 LATE = SafetyReason.FOLLOWS_LATE.report(delay=0.5)
 STALE = PushEvent.OBJECT_POSE_STALE.report(age=1.0, limit=0.5)
+NO_MAP = TaskEvent.NO_USABLE_MAP.report(map_fault='no map')
 NO_POSE = PushEvent.NO_OBJECT_POSE.report()
 
 
@@ -23,7 +25,7 @@ def causes(reasons, time=0.0):
 def raise_all(order, stop):
     """Raise every reason, in some order."""
     reasons = StandReasons()
-    raised = {'stop': lambda: reasons.on_stop(stop, 0.0), 'hold': lambda: reasons.hold('no map'),
+    raised = {'stop': lambda: reasons.on_stop(stop, 0.0), 'hold': lambda: reasons.hold(NO_MAP),
               'measurements': lambda: reasons.on_measurements(STALE, 0.0)}
     for name in order:
         raised[name]()
@@ -40,9 +42,9 @@ def test_the_order_of_reasons_is_not_that_in_which_they_come(order, stop, cause)
     found = causes(reasons)
     assert found == [cause, StandCause.HOLD, StandCause.MEASUREMENTS][:len(found)]
     assert found[:2] == [cause, StandCause.HOLD]
-    assert reasons.first(0.0).sentence == str(stop)
+    assert reasons.first(0.0).report is stop
     reasons.on_stop(None, 1.0)
-    assert reasons.first(1.0).sentence == 'no map'
+    assert reasons.first(1.0).report is NO_MAP
 
 
 def test_causes_are_declared_in_the_order_in_which_they_count():
@@ -56,7 +58,7 @@ def test_causes_are_declared_in_the_order_in_which_they_count():
 def test_without_a_reason_the_robot_may_move():
     """A new list is empty, and so is one whose reasons have ended."""
     reasons = raise_all(['hold'], None)
-    reasons.hold('')
+    reasons.hold(None)
     reasons.on_measurements(None, 0.0)
     for each in (StandReasons(), reasons):
         assert each.all(0.0) == () and each.first(0.0) is None and not each.is_stopped
@@ -90,7 +92,7 @@ def test_somebody_who_is_awaited_may_take_their_time():
 def test_what_is_missing_may_take_its_time():
     """A map may come after hours."""
     reasons = StandReasons()
-    reasons.hold('no map')
+    reasons.hold(NO_MAP)
     assert reasons.first(1e6).failure is None
     assert StandCause.HOLD not in LIMITS and StandCause.AWAITS_RESUME not in LIMITS
 

@@ -1,5 +1,6 @@
 """States of a task lead only where they may, and what has happened is counted and recorded."""
 
+from push_control.events import TaskEvent
 from push_control.goal import TaskFailure
 from push_control.task.state_machine import (
     REPEATED_PUSHES_TABLE, SINGLE_PUSH_TABLE, TaskStateMachine)
@@ -27,7 +28,7 @@ SINGLE_OFFENCES = [
     (TaskState.RETREAT, TaskState.DONE), (TaskState.DONE, TaskState.RETREAT),
     (TaskState.FAILED, TaskState.DONE)]
 
-
+WHY = TaskEvent.STARTED_OVER.report()
 TABLES = {'chain': REPEATED_PUSHES_TABLE, 'single': SINGLE_PUSH_TABLE}
 STATES = [(name, state) for name, table in TABLES.items()
           for state in TaskState if state.is_standing or state in table.transitions]
@@ -102,11 +103,11 @@ def test_pushes_and_recoveries_are_counted_until_a_task_starts():
     """So is the history; the state stays as it is."""
     machine = TaskStateMachine(REPEATED_PUSHES_TABLE)
     for time, state in enumerate(2 * PUSH_CYCLE):
-        machine.enter(state, float(time), 'why' if state is TaskState.RETREAT else '')
+        machine.enter(state, float(time), WHY if state is TaskState.RETREAT else None)
     machine.count_recovery()
     assert (machine.pushes, machine.recoveries) == (2, 1)
-    assert machine.history[4] == StateChange(4.0, TaskState.RETREAT, 'why')
-    assert machine.reason == 'why' and machine.since == 9.0
+    assert machine.history[4] == StateChange(4.0, TaskState.RETREAT, str(WHY), codes=WHY.codes)
+    assert machine.cause is WHY and machine.since == 9.0
     machine.start_task()
     assert (machine.pushes, machine.recoveries, machine.history) == (0, 0, ())
     assert machine.state is TaskState.RETREAT
@@ -115,9 +116,9 @@ def test_pushes_and_recoveries_are_counted_until_a_task_starts():
 def test_a_failure_lasts_as_long_as_its_state():
     """As does the wish of a user."""
     machine = machine_in(TaskState.PLAN)
-    machine.enter(TaskState.FAILED, 5.0, 'aborted', failure=TaskFailure.NO_PLAN)
+    machine.enter(TaskState.FAILED, 5.0, WHY, failure=TaskFailure.NO_PLAN)
     assert machine.failure is TaskFailure.NO_PLAN and not machine.is_requested
-    machine.enter(TaskState.PLAN, 6.0, 'new goal', is_requested=True)
+    machine.enter(TaskState.PLAN, 6.0, TaskEvent.NEW_GOAL.report(), is_requested=True)
     assert machine.failure is None and machine.is_requested
     assert machine.history[-1].is_requested
 
@@ -147,6 +148,6 @@ def test_a_task_that_is_over_restarts_with_a_plan(state):
 def test_what_happens_in_a_state_is_recorded_without_a_change():
     """It is no reason for the state, and its time stays."""
     machine = machine_in(TaskState.PLAN)
-    machine.note(7.0, 'odometry has jumped')
-    assert machine.history[-1] == StateChange(7.0, TaskState.PLAN, 'odometry has jumped')
-    assert machine.reason == '' and machine.since == 0.0
+    machine.note(7.0, WHY)
+    assert machine.history[-1] == StateChange(7.0, TaskState.PLAN, str(WHY), codes=WHY.codes)
+    assert machine.cause is None and machine.since == 0.0

@@ -8,17 +8,21 @@ from typing import Any
 from helpers.maps import walled_room
 from helpers.objects import box
 import numpy as np
+from push_control.behaviors.failures import BehaviorFailure
 from push_control.behaviors.progress import MAP_TIME_LIMIT, RETRY_TIME
+from push_control.events import PerceptionEvent, TaskEvent
 from push_control.settings import ControlSettings
 from push_control.supervision_settings import SupervisionSettings
 from push_control.task.status import TaskState
 from push_control.task.supervisor import Supervisor
 from push_model.contact import find_contact
+from push_model.events import codes, PushEvent
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.observation import Observation
 from push_model.parameters import RoundRobot
 from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.signals import ObjectPose, Odometry, STOP
+from push_navigation.path import PathFailure
 from push_navigation.settings import DriveSettings
 from push_planner.settings import PlannerSettings
 from push_planner.steered.task_push import plan_steered_push
@@ -107,14 +111,14 @@ def test_a_task_is_done_with_wrong_beliefs_and_poor_sensors(drive, seed):
 @pytest.mark.parametrize('drive', ['differential', 'holonomic'])
 def test_a_task_is_done_with_headings_as_noisy_as_stated(drive):
     """The robot stands until their average is known, and says what it waits for."""
-    noise, reasons = math.radians(3.0), set()
+    noise, seen = math.radians(3.0), set()
     scenario = task(drive, sensors=dataclasses.replace(SENSORS, pose_heading_noise=noise))
     scenario = dataclasses.replace(
         scenario, control=dataclasses.replace(scenario.control, heading_noise=noise))
-    result = simulate(scenario, intervene=lambda _, supervisor: reasons.add(supervisor.reason))
+    result = simulate(scenario, intervene=lambda _, supervisor: seen.update(
+        codes(supervisor.cause)))
     check_reached(result)
-    assert any('noise of the object poses is averaged' in reason for reason in reasons)
-    assert not any('did not fit' in reason for reason in reasons)
+    assert TaskEvent.AVERAGING in seen and PerceptionEvent.CONTACTS_DO_NOT_FIT not in seen
 
 
 def test_the_same_task_again_goes_the_same_way():
@@ -141,9 +145,9 @@ def test_an_object_whose_poses_are_biased_is_seen_from_other_sides(bias, outcome
         scenario, control=ControlSettings(pose_bias=bias),
         task=dataclasses.replace(scenario.task, supervision=settings)))
     assert result.outcome is outcome and result.status.pushes == 0, result.reason
-    assert ('standard errors' in result.reason) == (outcome is Outcome.FAILED)
+    assert (TaskEvent.GOAL_UNCERTAIN in result.codes) == (outcome is Outcome.FAILED)
     assert abs(result.position_error) < 1e-6
-    looks = [change for change in result.status.history if 'another side' in change.reason]
+    looks = [change for change in result.status.history if TaskEvent.OBJECT_UNSEEN in change.codes]
     assert len(looks) >= (3 if outcome is Outcome.FAILED else 1)
 
 
@@ -213,7 +217,8 @@ def test_an_obstacle_of_a_new_map_on_the_path_is_driven_round() -> None:
         supervisor.set_map(walled_room((x - 0.08, x + 0.08, y - 0.08, y + 0.08)))
     once = Once(TaskState.APPROACH, show_obstacle, delay=1.0)
     result = simulate(task('holonomic'), intervene=once)
-    changes = [change for change in result.status.history if 'new map' in change.reason]
+    changes = [change for change in result.status.history
+               if TaskEvent.MAP_BLOCKS_PATH in change.codes]
     assert len(changes) == 1 and changes[0].time - once.time < 0.1
     assert result.outcome is Outcome.DONE
     robots = np.array(result.tape.poses('robot'))[:, :2]
@@ -234,7 +239,8 @@ def test_a_push_ends_before_an_obstacle_of_a_new_map() -> None:
         supervisor.set_map(walled_room((x - 0.04, x + 0.04, y - 0.04, y + 0.04)))
     once = Once(TaskState.PUSH, show_obstacle, delay=1.0)
     result = simulate(task('holonomic'), intervene=once)
-    end = next(change for change in result.status.history if 'new map' in change.reason)
+    end = next(change for change in result.status.history
+               if TaskEvent.MAP_BLOCKS_PATH in change.codes)
     assert end.time - once.time < 0.1
     following = next(change.time for change in result.status.history
                      if change.time > end.time and change.state is TaskState.PUSH)
@@ -256,7 +262,7 @@ def test_a_map_that_is_wrong_for_some_seconds_is_outlasted() -> None:
             supervisor.set_map(None)
     result = simulate(task('differential'), intervene=intervene)
     failures = [change.time for change in result.status.history
-                if 'in an obstacle of the map' in change.reason]
+                if PathFailure.START_IN_OBSTACLE in change.codes]
     assert len(failures) >= 2 and np.diff(failures).min() > RETRY_TIME - 0.05
     check_reached(result)
 
@@ -280,7 +286,7 @@ def test_a_new_goal_is_taken_up_in_any_state(state):
     there = result.tape.poses('object')[-1]
     assert distance(there, other.pose) < SUPERVISION.position_tolerance
     assert abs(wrap_angle(there[2] - other.theta)) < SUPERVISION.heading_tolerance
-    assert result.status.history[0].reason == 'new goal'
+    assert result.status.history[0].codes == (TaskEvent.NEW_GOAL,)
 
 
 @pytest.mark.parametrize(
@@ -310,7 +316,7 @@ def test_lost_poses_are_waited_for():
     waited = []
 
     def change(simulation, supervisor):
-        if 'stale' in supervisor.status.reason:
+        if PushEvent.OBJECT_POSE_STALE in supervisor.status.codes:
             waited.append(simulation.time)
 
     result = simulate(task('holonomic', sensors=sensors), intervene=change)
@@ -319,6 +325,9 @@ def test_lost_poses_are_waited_for():
     assert any(4.0 < at < 6.2 for at in waited)
     hidden = (time > 5.0) & (time < 6.0)
     assert not np.hypot(result.tape['command_v_x'], result.tape['command_v_y'])[hidden].any()
+
+
+SILENCE = TaskEvent.NOBODY_PLANS.report(timeout=1.0, topic='push_request')
 
 
 class Bench:
@@ -352,20 +361,21 @@ def test_a_plan_is_requested_from_what_is_measured():
     assert request.object_pose == pytest.approx((0.0, 0.0, 0.0))
 
 
-@pytest.mark.parametrize('codes, max_attempts', [
+@pytest.mark.parametrize('failures, max_attempts', [
     ([PlanFailure.TIPS] * 2, 2),
     ([PlanFailure.TIPS, PlanFailure.NO_FEASIBLE_SITE], SUPERVISION.max_attempts)])
-def test_it_aborts_where_there_is_no_plan(codes, max_attempts):
+def test_it_aborts_where_there_is_no_plan(failures, max_attempts):
     """After the same failure twice from the same poses, or after all attempts."""
     bench, refusals = Bench(), 0
     bench.supervisor.set_goal(GOAL.pose)
     while bench.supervisor.status.state == TaskState.PLAN:
         assert set(bench.run(0.1)) == {STOP}
         if bench.supervisor.plan_request is not None:
-            bench.supervisor.on_planning_failed(codes[refusals % 2], f'reason {refusals}')
+            bench.supervisor.on_planning_failed(failures[refusals % 2], f'reason {refusals}')
             refusals += 1
     status = bench.supervisor.status
     assert status.state == TaskState.FAILED and f'reason {refusals - 1}' in status.reason
+    assert failures[(refusals - 1) % 2] in status.codes
     assert refusals == status.recoveries == max_attempts
     bench.supervisor.set_goal(GOAL.pose)
     assert bench.supervisor.status.state == TaskState.PLAN
@@ -379,7 +389,7 @@ def test_a_goal_that_the_planner_calls_reached_is_reached():
         bench.run(0.1)
     bench.supervisor.on_planning_failed(PlanFailure.AT_GOAL, 'the object is at the goal already')
     assert bench.supervisor.state is TaskState.DONE
-    assert 'at the goal' in bench.supervisor.status.reason
+    assert bench.supervisor.status.codes == (TaskEvent.NO_PUSH_NEEDED, PlanFailure.AT_GOAL)
 
 
 def test_a_robot_stands_while_a_map_blocks_the_goal_and_goes_on_with_one_that_does_not():
@@ -391,7 +401,7 @@ def test_a_robot_stands_while_a_map_blocks_the_goal_and_goes_on_with_one_that_do
         if bench.supervisor.plan_request is not None:
             bench.supervisor.on_planning_failed(PlanFailure.NOT_FREE, 'the goal is not free')
         assert bench.supervisor.status.state == TaskState.PLAN
-        assert 'the goal is not free' in bench.supervisor.status.reason
+        assert PlanFailure.NOT_FREE in bench.supervisor.status.codes
     bench.supervisor.set_map(None)
     bench.run(0.5)
     assert bench.supervisor.plan_request is not None
@@ -415,10 +425,10 @@ def test_a_plan_that_does_not_come_is_requested_again() -> None:
     """Whoever waits for it says so; it counts as an attempt that failed."""
     bench = Bench()
     bench.supervisor.set_goal(GOAL.pose)
-    bench.supervisor.on_plan_overdue('no plan')
+    bench.supervisor.on_plan_overdue(SILENCE)
     assert bench.supervisor.status.recoveries == 0
     bench.run(1.0)
-    bench.supervisor.on_plan_overdue('no plan')
+    bench.supervisor.on_plan_overdue(SILENCE)
     assert bench.supervisor.plan_request is None
     bench.run(0.1)
     assert bench.supervisor.status.recoveries == 1
@@ -445,11 +455,11 @@ def test_stopped_it_stands_and_forgets_its_goal():
     bench = Bench()
     bench.supervisor.set_goal(GOAL.pose)
     bench.run(1.0)
-    bench.supervisor.stop('was told to')
+    bench.supervisor.stop(TaskEvent.STOPPED_BY_USER.report())
     bench.supervisor.resume()
     assert set(bench.run(1.0)) == {STOP} and bench.supervisor.plan_request is None
     assert bench.supervisor.status.state == TaskState.IDLE
-    assert bench.supervisor.status.reason == 'was told to'
+    assert bench.supervisor.status.codes == (TaskEvent.STOPPED_BY_USER,)
 
 
 def test_a_task_that_is_cancelled_in_a_push_backs_off_first():
@@ -459,7 +469,7 @@ def test_a_task_that_is_cancelled_in_a_push_backs_off_first():
     def cancel(simulation, supervisor):
         state = supervisor.status.state
         if state is TaskState.PUSH and simulation.time > 0.0:
-            supervisor.cancel('changed my mind')
+            supervisor.cancel(TaskEvent.GOAL_CANCELLED.report())
         if not states or states[-1] is not supervisor.status.state:
             states.append(supervisor.status.state)
 
@@ -469,7 +479,7 @@ def test_a_task_that_is_cancelled_in_a_push_backs_off_first():
     bench = Bench()
     bench.supervisor.set_goal(GOAL.pose)
     bench.run(1.0)
-    bench.supervisor.cancel('changed my mind')
+    bench.supervisor.cancel(TaskEvent.GOAL_CANCELLED.report())
     assert bench.supervisor.status.state is TaskState.IDLE
     assert bench.supervisor.status.is_requested
 
@@ -507,7 +517,7 @@ def test_a_robot_that_does_not_move_is_noticed():
     assert STOP not in commands[1:-5]
     status = bench.supervisor.status
     assert status.recoveries == 1 and status.state == TaskState.PLAN
-    assert 'stalled' in status.reason
+    assert BehaviorFailure.STALLED in status.codes
 
 
 def test_an_overlap_is_an_error_of_odometry():

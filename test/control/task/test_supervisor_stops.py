@@ -6,11 +6,12 @@ from types import SimpleNamespace
 import numpy as np
 from push_control.behaviors.progress import (
     MAX_SAFETY_STOPS, REST_REPORT_TIME, REST_TIME_LIMIT, RETRY_TIME)
+from push_control.events import PerceptionEvent, TaskEvent
 from push_control.goal import TaskFailure
-from push_control.task.execution import STARTED_OVER
 from push_control.task.stand_reasons import MEASUREMENT_TIME_LIMIT
 from push_control.task.status import TaskState
 from push_control.task.supervisor import Supervisor
+from push_model.events import PushEvent
 from push_model.geometry import distance, Pose
 from push_model.observation import Observation
 from push_model.signals import ObjectPose, Odometry, STOP, Twist
@@ -22,6 +23,7 @@ PERIOD = 0.1
 # Of object poses that come seldom, but are not stale [s].
 SLOW_PERIOD = 0.25
 SCENARIO = load_scenario('task_tap')
+NO_MAP = TaskEvent.NO_USABLE_MAP.report(map_fault='no map')
 
 
 def supervisor():
@@ -42,15 +44,16 @@ def measured(time, noise=(0.0, 0.0, 0.0)):
 def test_poses_that_are_too_noisy_are_named_and_end_the_task():
     """With what their noise is, and what it should be; a moment of rest is no new beginning."""
     made, rng = supervisor(), np.random.default_rng(1)
-    reasons, has_rested = {}, False
+    causes, has_rested = {}, False
     for time in np.arange(0.0, REST_TIME_LIMIT + 4.0, SLOW_PERIOD).tolist():
         noise = rng.standard_normal(3) * (0.0 if 39.0 < time < 40.0 else 0.02)
         assert made.step(measured(time, noise.tolist()), SLOW_PERIOD) == STOP
-        reasons[time] = made.status.state, made.status.reason
+        causes[time] = made.status.state, made.cause
         has_rested = has_rested or made.plan_request is not None
-    state, reason = reasons[REST_REPORT_TIME + 1.0]
-    assert state is TaskState.PLAN and 'the object is not at rest' in reason
-    assert 'noise of 2.0 mm' in reason
+    state, cause = causes[REST_REPORT_TIME + 1.0]
+    assert state is TaskState.PLAN
+    assert cause.code is PerceptionEvent.OBJECT_POSES_NOISIER_THAN_STATED
+    assert cause.values['stated_position'] == pytest.approx(2.0)
     assert has_rested
     assert made.status.state is TaskState.FAILED
     assert made.status.failure is TaskFailure.NOT_AT_REST and made.plan_request is None
@@ -59,14 +62,14 @@ def test_poses_that_are_too_noisy_are_named_and_end_the_task():
 def test_a_hold_lasts_until_it_is_released():
     """Nothing is requested meanwhile; then the task goes on by itself."""
     made = supervisor()
-    made.hold('no map')
+    made.hold(NO_MAP)
     for i in range(30):
         assert made.step(measured(i * PERIOD), PERIOD if i else 0.0) == STOP
-    assert made.status.reason == 'no map' and made.plan_request is None
-    made.hold('')
+    assert made.cause is NO_MAP and made.plan_request is None
+    made.hold(None)
     for i in range(30, 40):
         made.step(measured(i * PERIOD), PERIOD)
-    assert made.plan_request is not None and made.status.reason != 'no map'
+    assert made.plan_request is not None and made.cause is not NO_MAP
 
 
 def test_plans_for_an_object_elsewhere_are_outlasted_for_seconds_and_named_within_a_minute():
@@ -82,7 +85,7 @@ def test_plans_for_an_object_elsewhere_are_outlasted_for_seconds_and_named_withi
             times.append(time)
     assert np.diff(times).min() > RETRY_TIME - PERIOD and times[-1] - times[0] > 5.0
     assert made.status.state is TaskState.FAILED
-    assert 'the plan begins where the object is not, 0.30 m' in made.status.reason
+    assert TaskEvent.PLAN_STARTS_ELSEWHERE in made.status.codes
 
 
 @pytest.mark.slow
@@ -95,9 +98,9 @@ def test_poses_that_stop_coming_end_the_task():
         assert made.step(seen, PERIOD) == STOP
         if 1.5 < time < 50.0:
             assert made.status.state is TaskState.PLAN
-            assert 'object pose is stale' in made.status.reason
+            assert PushEvent.OBJECT_POSE_STALE in made.status.codes
     assert made.status.failure is TaskFailure.NO_MEASUREMENTS
-    assert 'object pose is stale' in made.status.reason
+    assert PushEvent.OBJECT_POSE_STALE in made.status.codes
 
 
 def test_a_robot_that_is_stopped_again_and_again_fails_with_the_reason():
@@ -111,7 +114,7 @@ def test_a_robot_that_is_stopped_again_and_again_fails_with_the_reason():
         made.step(measured(0.3 + number), 0.1)
     assert made.status.state is TaskState.FAILED
     assert made.status.failure is TaskFailure.ROBOT_STOPPED
-    assert 'the robot follows its commands 0.5 s late' in made.status.reason
+    assert made.status.codes == (TaskEvent.ABORTED, SafetyReason.FOLLOWS_LATE)
 
 
 JUMP = SafetyReason.ODOMETRY_JUMPED.report(distance=2.0, rotation=90.0)
@@ -157,11 +160,12 @@ def test_a_robot_that_stands_is_where_its_odometry_jumps_to(state):
     if state is TaskState.PAUSED:
         made.pause()
     elif state is TaskState.IDLE:
-        made.stop('no goal')
+        made.stop(TaskEvent.NO_GOAL.report())
     last = jump(made, driven(made, 20, STOP), ELSEWHERE, STOP)
     stand(made, last, 1)
     assert made.status.robot_pose == pytest.approx(ELSEWHERE, abs=0.01)
-    assert made.history[-1].state is state and made.history[-1].reason == STARTED_OVER
+    assert made.history[-1].state is state
+    assert made.history[-1].codes == (TaskEvent.STARTED_OVER,)
     assert made.state is state and not made.history[-1].is_requested
     if state is TaskState.PLAN:
         assert made.plan_request is None
@@ -192,7 +196,7 @@ def test_a_robot_that_drives_on_is_not_where_its_odometry_jumps_to():
     last = jump(made, last, ELSEWHERE, AHEAD)
     after = made.status.robot_pose
     assert math.hypot(after.x - before.x, after.y - before.y) < 0.03
-    assert made.status.reason == str(JUMP)
+    assert made.cause is JUMP
     stand(made, last, 5)
     assert distance(made.status.robot_pose, after) < 0.03
 
@@ -215,4 +219,4 @@ def test_odometry_that_comes_back_has_not_jumped():
     there = jump(made, last, ELSEWHERE, STOP)
     stand(made, jump(made, there, last.odometry.pose, STOP), 3)
     assert made.status.robot_pose == pytest.approx(before, abs=1e-3)
-    assert STARTED_OVER not in [change.reason for change in made.history]
+    assert not any(TaskEvent.STARTED_OVER in change.codes for change in made.history)

@@ -149,7 +149,7 @@ def test_an_object_that_is_elsewhere_for_a_while_is_awaited_where_it_was(shift: 
     time = poses_after(estimator, time, [away] * 40)
     assert estimator.predict(time).pose == pytest.approx(before, abs=1e-9)
     fault = estimator.pose_fault(time)
-    assert fault is not None and fault.reason is PushEvent.OBJECT_ELSEWHERE
+    assert fault is not None and fault.code is PushEvent.OBJECT_ELSEWHERE
     assert fault.values['distance'] == pytest.approx(
         1e3 * math.hypot(shift.x, shift.y), abs=2.0)
     time = poses_after(estimator, time, [true.pose])
@@ -172,7 +172,7 @@ def test_an_object_that_stays_behind_again_and_again_is_a_fault(
     """Wheels that slip by half move it half as far, which is no accident."""
     estimator, _ = simulate(NOMINAL, seed=2, duration=15.0, slip=slip)
     fault = estimator.pose_fault(15.0)
-    assert (fault is not None and fault.reason is PushEvent.OBJECT_STAYS_BEHIND) is is_fault
+    assert (fault is not None and fault.code is PushEvent.OBJECT_STAYS_BEHIND) is is_fault
 
 
 def test_poses_with_more_noise_than_stated_move_the_estimate_by_less_than_that() -> None:
@@ -187,7 +187,7 @@ def test_poses_with_more_noise_than_stated_move_the_estimate_by_less_than_that()
         found = estimator.predict(time).pose
         errors.append(math.dist(found[:2], true.pose[:2]))
         fault = estimator.pose_fault(time)
-        reasons.append(None if fault is None else fault.reason)
+        reasons.append(None if fault is None else fault.code)
     assert np.median(errors) < 0.005
     assert reasons.count(PushEvent.OBJECT_POSES_SCATTER) > 50
 
