@@ -74,7 +74,8 @@ class ControllerNode(ManagedNode):
 
     Frames
         Poses are brought to ``world_frame`` at their stamps, goals and maps again where their
-        frame drifts; odometry is in it. Commands are in ``base_frame``.
+        frame drifts; odometry is in it. Object poses in ``base_frame``, or in a frame that static
+        transforms fix to it, are taken as relative to the robot. Commands are in ``base_frame``.
     """
 
     def __init__(self) -> None:
@@ -85,7 +86,8 @@ class ControllerNode(ManagedNode):
         self._catalogue = ObjectCatalogue(self._options.object_folder)
         self._catalogue.remember(*self._object)
         self._world = WorldFrame(self, parameters.frames.world_frame,
-                                 self._options.transform_timeout)
+                                 self._options.transform_timeout,
+                                 parameters.frames.base_frame)
         # From configuring to cleaning up.
         self._controller: ActiveController | None = None
         self.serve_active_trigger('controller/start', lambda: self.controller.start())

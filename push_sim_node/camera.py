@@ -4,9 +4,9 @@ import dataclasses
 import math
 from typing import get_args, Literal, TypeAlias
 
-from push_model.contact import robot_gap
+from push_model.contact import contact_point, face_normal, robot_gap
 from push_model.geometry import Coordinates, distance, Pose, wrap_angle
-from push_model.parameters import PushedObject
+from push_model.parameters import Contact, PushedObject
 from push_model.quantity import check, quantity
 
 # Where the camera is: nowhere, so that object poses come from everywhere; on the robot; or in the
@@ -141,6 +141,25 @@ class Camera:
             return False
         closest = _closest_on_line(camera[:2], object_pose[:2], robot_pose[:2])
         return distance(closest, robot_pose) < self._robot_radius
+
+
+def mirrored_tilt(obj: PushedObject, bearing: float) -> Pose:
+    """
+    Compute where an object seems to be whose tag is seen with its tilt mirrored.
+
+    Every side has a tag in its middle, of which the one is seen that faces the camera most. Its
+    normal is mirrored at the line of sight. A round object has its tag where the camera is.
+
+    :param bearing: direction from the object to the camera, in the object frame [rad].
+    :return: ``Pose`` of the object as it is seen, relative to the true one.
+    """
+    sides = range(len(obj.outline))
+    if not sides:
+        return Pose(0.0, 0.0, 0.0)
+    tilts = {side: wrap_angle(bearing - face_normal(obj, side) - math.pi) for side in sides}
+    side = min(sides, key=lambda index: abs(tilts[index]))
+    tag = Pose(*contact_point(obj, Contact('face', side)), 0.0)
+    return tag @ Pose(0.0, 0.0, 2.0 * tilts[side]) @ tag.inverse()
 
 
 def relative_pose(object_pose: Pose, robot_pose: Pose) -> Pose:

@@ -2,7 +2,7 @@
 
 import dataclasses
 import math
-from typing import get_args
+from typing import get_args, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 from push_dynamics import actuation
@@ -17,6 +17,9 @@ from push_sim_node.camera import CameraSettings
 # Deviation that odometry states where the settings have less [m, rad, m/s, rad/s]: chosen, as
 # encoders resolve it. A variance of 0 would count as not stated.
 MIN_DEVIATION = 1e-3
+# How a detector mistakes the orientation of an object: by half a turn, as of one that it knows by
+# its shape; or as it mistakes the tilt of a single tag, which it sees mirrored at the line of sight.
+PoseFlip: TypeAlias = Literal['half_turn', 'mirrored_tilt']
 # One call is not worth compiling it.
 chord_velocity = interpreted(actuation.chord_velocity)
 
@@ -48,6 +51,11 @@ class SensorSettings:
     pose_jump: float = quantity('position std of outliers per axis', 'm', 0.0, 10.0, default=0.0)
     pose_heading_jump: float = quantity('heading std of outliers', 'rad', 0.0, math.pi,
                                         default=0.0)
+    pose_flip_probability: float = quantity('probability of a flipped orientation', '', 0.0, 1.0,
+                                            default=0.0)
+    pose_flip: PoseFlip = quantity(
+        'how it flips: by half a turn, or by the mirrored tilt of the tag that is seen',
+        choices=get_args(PoseFlip), default='half_turn')
     odometry_rate: float = quantity('rate of odometry', 'Hz', above=0.0, high=1000.0,
                                     default=50.0)
     odometry_reference: OdometryReference = quantity(
@@ -57,6 +65,12 @@ class SensorSettings:
                                               0.5, default=1e-3)
     odometry_heading_noise: float = quantity('heading std, if absolute', 'rad', MIN_NOISE, 0.1,
                                              default=2e-3)
+    odometry_jump: float = quantity('position std per axis of jumps, if absolute', 'm', 0.0, 1.0,
+                                    default=0.0)
+    odometry_heading_jump: float = quantity('heading std of jumps, if absolute', 'rad', 0.0, 0.5,
+                                            default=0.0)
+    odometry_jump_period: float = quantity('time between jumps', 's', above=0.0, high=600.0,
+                                           default=10.0)
     odometry_scale: float = quantity('relative error of distances', '', -0.5, 0.5, default=0.0)
     odometry_scale_noise: float = quantity('std of odometry_scale from run to run', '', 0.0, 0.5,
                                            default=0.0)
@@ -81,6 +95,21 @@ class SensorSettings:
             if not _is_interval(interval):
                 raise ValueError(f'SensorSettings.pose_dropouts: got {interval!r}, expected '
                                  '(start, end) with end after start [s]')
+
+
+class Sighting(NamedTuple):
+    """
+    From where an object is seen.
+
+    :param bearing: direction from the object to who sees it, in the object frame [rad].
+    :param distance: from the lens to the origin, with which noise grows [m].
+    :param flip: ``Pose`` of the object, as it is seen where the tilt of its tag is mirrored,
+        relative to the true one.
+    """
+
+    bearing: float = 0.0
+    distance: float = 0.0
+    flip: Pose = Pose(0.0, 0.0, 0.0)
 
 
 class ViewBias:
@@ -131,7 +160,8 @@ class PoseSensor:
     :param settings: ``SensorSettings``.
     :param noise: ``numpy.random.Generator`` of the noise.
     :param losses: ``numpy.random.Generator`` of the losses.
-    :param outliers: ``numpy.random.Generator`` of the view bias and of poses that are far off.
+    :param outliers: ``numpy.random.Generator`` of the view bias and of poses that are far off; a
+        stream of its own is spawned for flips.
     """
 
     def __init__(self, settings: SensorSettings, noise: np.random.Generator,
@@ -141,38 +171,42 @@ class PoseSensor:
         self._losses = losses
         self._outliers = outliers
         self._bias = ViewBias(settings, outliers)
+        self._flips, = outliers.spawn(1)
 
     def set_settings(self, settings: SensorSettings) -> None:
         """Measure with other noise, losses and jumps from now on; the bias by view stays."""
         self._settings = settings
 
-    def measure(self, time: float, pose: Pose, bearing: float = 0.0, distance: float = 0.0, *,
+    def measure(self, time: float, pose: Pose, sighting: Sighting = Sighting(), *,
                 certain: bool = False) -> ObjectPose | None:
         """
         Take one measurement.
 
         :param time: now [s].
-        :param bearing: direction from the object to the robot, in the object frame [rad].
-        :param distance: from the camera to the object, with which noise grows [m].
+        :param sighting: from where the object is seen.
         :param certain: whether it is delivered in any case.
         :return: ``ObjectPose`` with its orientation in [-pi, pi], or None where it is lost.
         """
         e_x, e_y, e_theta = self._noise.standard_normal(3).tolist()
         lost = self._losses.random() < self._settings.pose_drop_probability
         lost = lost or any(start <= time < end for start, end in self._settings.pose_dropouts)
-        seen = self._seen(pose, bearing)
+        seen = self._seen(pose, sighting)
         if lost and not certain:
             return None
         settings, camera = self._settings, self._settings.camera
-        position_noise = settings.pose_noise + camera.noise_per_distance * distance
-        heading_noise = settings.pose_heading_noise + camera.heading_noise_per_distance * distance
+        position_noise = settings.pose_noise + camera.noise_per_distance * sighting.distance
+        heading_noise = (settings.pose_heading_noise
+                         + camera.heading_noise_per_distance * sighting.distance)
         return ObjectPose(time, Pose(seen.x + position_noise * e_x, seen.y + position_noise * e_y,
                                      wrap_angle(seen.theta + heading_noise * e_theta)))
 
-    def _seen(self, pose: Pose, bearing: float) -> Pose:
+    def _seen(self, pose: Pose, sighting: Sighting) -> Pose:
         """Return the pose with its errors but for the noise; its orientation is not wrapped."""
         settings = self._settings
-        d_x, d_y, d_theta = self._bias.error(bearing)
+        if self._flips.random() < settings.pose_flip_probability:
+            is_half = settings.pose_flip == 'half_turn'
+            pose = pose @ (Pose(0.0, 0.0, math.pi) if is_half else sighting.flip)
+        d_x, d_y, d_theta = self._bias.error(sighting.bearing)
         e_x, e_y, e_theta = self._outliers.standard_normal(3).tolist()
         if self._outliers.random() < settings.pose_jump_probability:
             d_x += settings.pose_jump * e_x
@@ -258,7 +292,8 @@ class OdometrySensor:
     :param pose: true ``Pose`` of the robot at the start.
     :param biases: ``numpy.random.Generator`` of the errors that stay for a run.
     :param noise: ``numpy.random.Generator`` of the noise on velocities.
-    :param pose_noise: ``numpy.random.Generator`` of the noise on absolute poses.
+    :param pose_noise: ``numpy.random.Generator`` of the noise on absolute poses; a stream of its
+        own is spawned for jumps.
     """
 
     def __init__(self, settings: SensorSettings, pose: Pose, biases: np.random.Generator,
@@ -266,6 +301,9 @@ class OdometrySensor:
         self._draws = biases.standard_normal(2).tolist()
         self._noise = noise
         self._pose_noise = pose_noise
+        self._jumps, = pose_noise.spawn(1)
+        # Frame of absolute poses in the world, and how often it has jumped.
+        self._frame, self._jump_count = Pose(0.0, 0.0, 0.0), 0
         self._true_pose = pose
         # Its heading is not wrapped.
         self._pose = pose.x, pose.y, pose.theta + settings.odometry_heading_offset
@@ -304,13 +342,25 @@ class OdometrySensor:
                         self._covariance.covariance)
 
     def _measured_in_world(self, time: float, pose: Pose, twist: Twist) -> Odometry:
+        settings = self._settings
         e_x, e_y, e_theta = self._pose_noise.standard_normal(3).tolist()
-        position = self._settings.odometry_position_noise
-        heading = self._settings.odometry_heading_noise
-        measured = self._rounded(pose.x + position * e_x, pose.y + position * e_y,
-                                 pose.theta + heading * e_theta)
-        return Odometry(time, measured, self._measured(twist),
-                        PoseCovariance.from_deviations(position, heading))
+        position, heading = settings.odometry_position_noise, settings.odometry_heading_noise
+        x, y, theta = self._jumped(time, pose)
+        measured = self._rounded(x + position * e_x, y + position * e_y, theta + heading * e_theta)
+        return Odometry(time, measured, self._measured(twist), PoseCovariance.from_deviations(
+            math.hypot(position, settings.odometry_jump),
+            math.hypot(heading, settings.odometry_heading_jump)))
+
+    def _jumped(self, time: float, pose: Pose) -> Pose:
+        """Displace an absolute pose as of the last jump; it turns about the robot."""
+        settings = self._settings
+        while self._jump_count < math.floor(time / settings.odometry_jump_period):
+            self._jump_count += 1
+            e_x, e_y, e_theta = self._jumps.standard_normal(3).tolist()
+            self._frame = Pose(settings.odometry_jump * e_x, settings.odometry_jump * e_y,
+                               settings.odometry_heading_jump * e_theta)
+        d_x, d_y, d_theta = self._frame
+        return Pose(pose.x + d_x, pose.y + d_y, pose.theta + d_theta)
 
     def _rounded(self, x: float, y: float, theta: float) -> Pose:
         """Round a pose to the steps of the settings; wrap its heading."""

@@ -11,10 +11,10 @@ from push_model.geometry import FloatArray, Pose
 from push_model.odometry_history import OdometryHistory
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectPose, Odometry, STOP, Twist
-from push_sim_node.camera import Camera, relative_pose
+from push_sim_node.camera import Camera, mirrored_tilt, relative_pose
 from push_sim_node.disturbance import change_times, friction_factors, ObjectDisplacement
 from push_sim_node.plant import Plant
-from push_sim_node.sensors import OdometrySensor, PoseSensor, SensorSettings
+from push_sim_node.sensors import OdometrySensor, PoseSensor, SensorSettings, Sighting
 from push_sim_node.settings import SimulationSettings
 from push_sim_node.tape import Tape
 from push_sim_node.tape_row import columns_of
@@ -260,10 +260,12 @@ class Simulation:
         object_pose, robot_pose = self.plant.object_pose, self.plant.robot_pose
         is_seen = self._camera.sees(object_pose, robot_pose)
         is_first = event.number == 0
-        x, y = object_pose.inverse().transform(robot_pose[:2])
+        x, y = object_pose.inverse().transform(self._camera.pose(robot_pose)[:2])
+        bearing = math.atan2(y, x)
         pose = self._pose_sensor.measure(
-            self.time, object_pose, math.atan2(y, x),
-            self._camera.distance(object_pose, robot_pose), certain=is_first)
+            self.time, object_pose,
+            Sighting(bearing, self._camera.distance(object_pose, robot_pose),
+                     mirrored_tilt(self.obj, bearing)), certain=is_first)
         if pose is None or not is_seen:
             return
         kind = _EventKind.DELIVER_POSE

@@ -10,6 +10,7 @@ from typing import Any, Callable
 from builtin_interfaces.msg import Time
 from push_control.events import TaskEvent
 from push_control.goal import GoalOutcome
+from push_control.perception.view import View
 from push_control.ros.base_check import BaseCheck, BaseFault
 from push_control.ros.command_gate import CommandGate
 from push_control.ros.commands import CommandPublisher
@@ -24,7 +25,9 @@ from push_control.ros.start_state import StartState
 from push_model.events import AnyReport
 from push_model.parameters import PushedObject
 from push_model.signals import ObjectPose, Odometry, STOP, Twist
-from push_ros.conversions.measurements import from_object_pose_message, from_odometry_message
+from push_ros.conversions.measurements import (
+    from_object_pose_message, from_odometry_message, from_relative_pose_message,
+)
 from push_ros.conversions.primitives import MessageRefused, seconds
 from push_ros.diagnostics import ERROR, OK, WARN
 from push_ros.lifecycle import ManagedNode
@@ -100,7 +103,8 @@ class ActiveController:
         node, world, frames = self._node, self._world, self._parameters.frames
         node.subscribe('odom', self.on_odometry, real_time=True)
         node.subscribe('object_pose', world.receiver('object_pose', Handlers(
-            self.on_object_pose, self._refuse_measurement)), real_time=True,
+            self.on_object_pose, self._refuse_measurement,
+            accept_relative=self.on_relative_pose)), real_time=True,
             with_covariance=self._parameters.options.object_pose_with_covariance,
             frame=frames.world_frame)
         node.subscribe('push_plan', self.on_plan, real_time=True)
@@ -159,6 +163,16 @@ class ActiveController:
             frame, or values with their attributes.
         """
         self._on_measurement(message, from_object_pose_message)
+
+    def on_relative_pose(self, message: Any) -> None:
+        """
+        Answer an object pose that is relative to the robot.
+
+        :param message: as of ``on_object_pose``, in the base frame.
+        """
+        base_frame = self._parameters.frames.base_frame
+        self._on_measurement(
+            message, lambda relative, _: from_relative_pose_message(relative, base_frame))
 
     def _on_measurement(self, message: Any,
                         receive: Callable[[Any, str], Odometry | ObjectPose]) -> None:
@@ -279,7 +293,7 @@ class ActiveController:
 
     def start(self) -> ServiceAnswer:
         """Start, or lift a stop."""
-        missing = [*self._latest.missing, *filter(None, [self.pursuit.missing_input])]
+        missing = [*self._missing_topics, *filter(None, [self.pursuit.missing_input])]
         is_stopped = self.pursuit.start_state is StartState.STOPPED
         if missing and not is_stopped:
             return ServiceAnswer(False, f'has received no {" and no ".join(missing)} yet')
@@ -291,6 +305,13 @@ class ActiveController:
         if not has_goal:
             return ServiceAnswer(True, 'the stop is lifted; waits for a goal')
         return ServiceAnswer(True, 'the stop is lifted; goes on to the goal of before')
+
+    @property
+    def _missing_topics(self) -> list[str]:
+        """Topics without which no task begins: an object that is out of view is looked for."""
+        is_limited = View.from_settings(self._parameters.supervision).is_limited
+        return [topic for topic in self._latest.missing
+                if not (is_limited and topic == 'object_pose')]
 
     def stop(self) -> ServiceAnswer:
         """Stop the robot, and refuse goals until ``start``."""

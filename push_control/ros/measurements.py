@@ -5,6 +5,7 @@ from typing import NamedTuple
 
 from push_control.supervision_settings import SupervisionSettings
 from push_model.observation import Observation
+from push_model.odometry_history import OdometryHistory
 from push_model.signals import ObjectPose, Odometry
 from push_safety.tolerances import MAX_STAMP_OFFSET
 
@@ -31,23 +32,52 @@ class LatestMeasurements:
         self.odometry: Odometry | None = None
         self.object_pose: ObjectPose | None = None
         self.time = 0.0
+        self._history = OdometryHistory()
+        # A relative pose that waits for odometry of its time.
+        self._unplaced: ObjectPose | None = None
 
     def add(self, measured: Odometry | ObjectPose) -> float:
         """
         Take in a measurement; one that is older than the last of its kind is ignored.
 
+        A pose relative to the robot is placed in the world by odometry of its time, for which it
+        waits; one from before the first odometry is ignored.
+
         :param measured: ``Odometry`` or ``ObjectPose``.
         :return: time since the newest measurement before [s], at least 0.
         """
+        before = self.time
         if isinstance(measured, Odometry):
-            if self.odometry is None:
-                self._forget_later_pose(measured.time)
-            if self.odometry is None or measured.time >= self.odometry.time:
-                self.odometry = measured
-        elif self.object_pose is None or measured.time >= self.object_pose.time:
-            self.object_pose = measured
-        before, self.time = self.time, max(self.time, measured.time)
+            self._add_odometry(measured)
+        elif measured.relative is None:
+            self._add_pose(measured)
+        else:
+            self._unplaced = measured
+        self._place()
         return self.time - before
+
+    def _add_odometry(self, odometry: Odometry) -> None:
+        if self.odometry is None:
+            self._forget_later_pose(odometry.time)
+        if self.odometry is None or odometry.time >= self.odometry.time:
+            self.odometry = odometry
+        self._history.append(odometry)
+        self.time = max(self.time, odometry.time)
+
+    def _add_pose(self, object_pose: ObjectPose) -> None:
+        if self.object_pose is None or object_pose.time >= self.object_pose.time:
+            self.object_pose = object_pose
+        self.time = max(self.time, object_pose.time)
+
+    def _place(self) -> None:
+        """Place the relative pose that waits, once there is odometry of its time."""
+        relative, odometry = self._unplaced, self.odometry
+        if relative is None or odometry is None or odometry.time < relative.time:
+            return
+        self._unplaced = None
+        placed = self._history.place(relative)
+        if placed is not None:
+            self._add_pose(placed)
 
     def _forget_later_pose(self, time: float) -> None:
         """Forget an object pose of another clock, to which nothing could be compared before."""

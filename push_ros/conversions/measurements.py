@@ -141,6 +141,21 @@ def from_object_pose_message(message: PoseStamped | PoseWithCovarianceStamped, f
     return ObjectPose(seconds(message.header.stamp), from_pose_message(pose, topic), covariance)
 
 
+def from_relative_pose_message(message: PoseStamped | PoseWithCovarianceStamped, frame: str,
+                               topic: str = 'object_pose') -> ObjectPose:
+    """
+    Read an object pose that is relative to the robot.
+
+    :param message: as of ``from_object_pose_message``.
+    :param frame: id of the base frame.
+    :param topic: what errors call the message.
+    :return: ``ObjectPose`` with ``relative``; its ``pose`` is the same until odometry places it.
+    :raises MessageRefused: as ``from_object_pose_message``.
+    """
+    measured = from_object_pose_message(message, frame, topic)
+    return measured._replace(relative=measured.pose)
+
+
 def to_wrench_message(force: Coordinates, stamp: Time, frame: str) -> WrenchStamped:
     """
     Convert a contact force to a message.

@@ -141,6 +141,27 @@ class TransformBuffer:
         return (self._climb(path.up_from_target, time).inverse()
                 @ self._climb(path.up_from_source, time))
 
+    def rigid(self, target: str, source: str) -> RigidTransform | None:
+        """
+        Look up a transform that holds at any time.
+
+        :param target: frame id to which coordinates are brought.
+        :param source: frame id in which they are.
+        :return: pose of the source in the target; None where they are not connected by static
+            transforms alone.
+        """
+        target, source = _name(target), _name(source)
+        if target == source:
+            return RigidTransform()
+        try:
+            path = self._path(target, source)
+        except TransformUnavailable:
+            return None
+        if not all(self._links[frame].is_static
+                   for frame in (*path.up_from_source, *path.up_from_target)):
+            return None
+        return self.lookup(target, source)
+
     def is_below(self, frame: str, ancestor: str) -> bool:
         """
         Tell whether a frame hangs below another one, or is the same.

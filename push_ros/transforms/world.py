@@ -4,7 +4,8 @@ Messages in any frame, brought to the world frame on their way in.
 A message is transformed at its own stamp. Where its transform has not come yet, the message waits
 for it for a while; where none comes, it is refused with frame, stamp and what is known.
 
-    measurement   transformed at its stamp, or refused
+    measurement   transformed at its stamp, or refused; a pose in a frame that is fixed to the
+                  robot may be taken as relative to the robot, at its stamp and without odometry
     goal, map     they hold from now on: where there is no transform at their stamp, the newest
                   serves. One in a frame that does not hang below the world frame, as ``map`` does
                   not below ``odom``, is kept there: as the transform drifts, the node is asked to
@@ -53,12 +54,15 @@ class Handlers(NamedTuple):
         measurements.
     :param is_latched: whether the last message holds until another comes, so that it is accepted
         even after it was refused for want of a transform.
+    :param accept_relative: takes the message in the base frame where it is in that frame, or in
+        one that static transforms fix to it; None where such messages go to the world frame, too.
     """
 
     accept: Callable[[Any], None]
     refuse: Callable[[MessageRefused, Any], None]
     move: Callable[[Pose], None] | None = None
     is_latched: bool = False
+    accept_relative: Callable[[Any], None] | None = None
 
 
 class _Waiting(NamedTuple):
@@ -86,15 +90,18 @@ class _Anchor(NamedTuple):
 class WorldFrame:
     """Brings messages to the world frame."""
 
-    def __init__(self, node: PushNode, frame: str, timeout: float) -> None:
+    def __init__(self, node: PushNode, frame: str, timeout: float,
+                 base_frame: str | None = None) -> None:
         """
         Wait for the first message in another frame.
 
         :param frame: id of the world frame.
         :param timeout: how long a message waits for its transform [s].
+        :param base_frame: id of the frame of the robot; None where nothing is relative to it.
         """
         self._node = node
         self._frame = frame.lstrip('/')
+        self._base_frame = None if base_frame is None else base_frame.lstrip('/')
         self._timeout = timeout
         self._buffer = TransformBuffer()
         self._listener: TransformListener | None = None
@@ -128,6 +135,9 @@ class WorldFrame:
         if frame == self._frame:
             self._release(handlers)
             handlers.accept(message)
+            return
+        if handlers.accept_relative is not None and frame == self._base_frame:
+            handlers.accept_relative(message)
             return
         if not frame:
             handlers.refuse(self._refusal(topic, message, 'it has no frame_id'), message)
@@ -201,6 +211,8 @@ class WorldFrame:
     def _hand_on(self, waiting: _Waiting, now: float) -> bool:
         """Hand a message to its node, or refuse it; return False where it has to wait."""
         topic, message, handlers, deadline, is_refused = waiting
+        if self._hand_on_relative(topic, message, handlers):
+            return True
         try:
             transform = self._look_up(message, handlers, is_late=now >= deadline)
         except TransformUnavailable as error:
@@ -221,6 +233,21 @@ class WorldFrame:
         frame = message.header.frame_id
         if handlers.move is not None and not self._buffer.is_below(frame, self._frame):
             self._anchors[handlers.move] = _Anchor(frame, transform.planar)
+        return True
+
+    def _hand_on_relative(self, topic: str, message: Any, handlers: Handlers) -> bool:
+        """Hand on a message of a frame that is fixed to the robot; return False for others."""
+        if self._base_frame is None or handlers.accept_relative is None:
+            return False
+        transform = self._buffer.rigid(self._base_frame, message.header.frame_id)
+        if transform is None:
+            return False
+        try:
+            relative = transformed(message, transform, self._base_frame, topic)
+        except MessageRefused as error:
+            handlers.refuse(error, message)
+            return True
+        handlers.accept_relative(relative)
         return True
 
     def _release(self, handlers: Handlers) -> None:

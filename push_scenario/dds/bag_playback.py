@@ -9,7 +9,7 @@ time on the wall, the order of other messages, the machine.
 """
 
 from collections import Counter, defaultdict, deque
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 import struct
 from typing import Any, NamedTuple
@@ -22,7 +22,9 @@ from push_model.observation import Observation
 from push_model.signals import ObjectPose, Odometry, STOP, Twist
 from push_model.trajectory import PushTrajectory
 from push_navigation.settings import DriveSettings
-from push_ros.conversions.measurements import from_object_pose_message, from_odometry_message
+from push_ros.conversions.measurements import (
+    from_object_pose_message, from_odometry_message, from_relative_pose_message,
+)
 from push_ros.conversions.plan import from_plan_message, plan_failure
 from push_ros.conversions.primitives import NANOSECONDS, nanoseconds
 from push_ros.node_settings import Frames
@@ -32,14 +34,11 @@ from push_scenario.recordings.bag import open_bag
 from push_scenario.simulation.loop import make_safety_layer
 from rclpy.serialization import deserialize_message
 
-# What reads measurements, and the topics that are read.
-MEASUREMENTS: dict[str, Callable[[Any, str], Odometry | ObjectPose]] = {
-    'object_pose': from_object_pose_message, 'odom': from_odometry_message}
 # Length of the end of a recording, of which not every message is in it, as it ends while the nodes
 # do [ns]; chosen, within the time in which the robot stands.
 RAGGED_END = NANOSECONDS
 TWIST = struct.Struct('<3d')
-READ_TOPICS = (*MEASUREMENTS, 'push_plan', 'cmd_vel')
+READ_TOPICS = 'object_pose', 'odom', 'push_plan', 'cmd_vel'
 
 
 class Difference(NamedTuple):
@@ -67,7 +66,11 @@ class Playback(NamedTuple):
 
 
 class _Arrival(NamedTuple):
-    """When a measurement came [ns], poses before odometry, its stamp [ns], and what it is."""
+    """
+    When a measurement came [ns], its order among those that came together, its stamp [ns], itself.
+
+    Poses in the world come before odometry, those relative to the robot after it.
+    """
 
     time: int
     order: int
@@ -142,10 +145,15 @@ def _arrivals(messages: Mapping[str, Sequence[StampedMessage]],
               pose_latency: float) -> list[_Arrival]:
     """List the measurements in the order in which the simulator delivers them."""
     latency = round(pose_latency * NANOSECONDS)
-    arrivals = [_Arrival(message.stamp + (latency if message.stamp and order == 0 else 0), order,
-                         message.stamp, convert(message.value, Frames().world_frame))
-                for order, (topic, convert) in enumerate(MEASUREMENTS.items())
-                for message in messages[topic]]
+    arrivals = [_Arrival(message.stamp, 1, message.stamp,
+                         from_odometry_message(message.value, Frames().world_frame))
+                for message in messages['odom']]
+    for stamp, value in messages['object_pose']:
+        is_relative = value.header.frame_id == Frames().base_frame
+        measured = (from_relative_pose_message(value, Frames().base_frame) if is_relative
+                    else from_object_pose_message(value, Frames().world_frame))
+        arrivals.append(_Arrival(stamp + (latency if stamp else 0), 2 if is_relative else 0,
+                                 stamp, measured))
     return sorted(arrivals, key=lambda arrival: arrival[:3])
 
 

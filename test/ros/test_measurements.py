@@ -6,6 +6,7 @@ from push_control.ros.measurements import (
 from push_control.supervision_settings import SupervisionSettings
 from push_model.geometry import Pose
 from push_model.signals import ObjectPose, Odometry, PoseCovariance, STOP
+import pytest
 
 SILENT = Odometry(0.0, Pose(0.0, 0.0, 0.0), STOP)
 STATED = SILENT._replace(covariance=PoseCovariance.from_deviations(1e-3, 2e-3))
@@ -32,6 +33,33 @@ def test_an_object_pose_of_another_clock_before_the_first_odometry_is_forgotten(
         latest.add(SILENT._replace(time=10.0))
         assert (latest.object_pose is not None) == is_kept
         assert latest.time == (max(10.0, time) if is_kept else 10.0)
+
+
+def moving(time):
+    """Make odometry of a robot that drives an arc."""
+    return Odometry(time, Pose(0.3 * time, 0.1, 0.4 * time), STOP)
+
+
+def test_a_relative_pose_is_placed_by_odometry_of_its_own_time():
+    """Late or early; until there is such odometry, nothing has been measured."""
+    relative = Pose(0.8, -0.1, 0.2)
+    for stamp, arrival in ((1.0, 1.15), (1.0, 1.0), (1.0, 0.98), (0.99, 1.15)):
+        latest = LatestMeasurements()
+        for tick in range(48, 60):
+            time = tick * 0.02
+            if latest.odometry is not None and arrival <= time and latest.object_pose is None:
+                latest.add(ObjectPose(stamp, relative, relative=relative))
+                assert (latest.object_pose is None) == (latest.odometry.time < stamp)
+            latest.add(moving(time))
+        assert latest.object_pose.relative == relative and latest.object_pose.time == stamp
+        assert latest.object_pose.pose == pytest.approx(moving(stamp).pose @ relative, abs=1e-5)
+
+
+def test_a_relative_pose_from_before_the_first_odometry_is_ignored():
+    latest = LatestMeasurements()
+    latest.add(moving(1.0))
+    latest.add(ObjectPose(0.9, Pose(1.0, 0.0, 0.0), relative=Pose(1.0, 0.0, 0.0)))
+    assert latest.object_pose is None and latest.time == 1.0
 
 
 def reports(arrivals, end):

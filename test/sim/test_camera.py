@@ -4,13 +4,14 @@ import dataclasses
 import math
 
 import numpy as np
+from push_model.contact import contact_point, face_normal
 from push_model.geometry import distance, Pose, wrap_angle
-from push_model.parameters import PushedObject, RoundRobot
+from push_model.parameters import Contact, PushedObject, RoundRobot
 from push_model.signals import ObjectPose, Odometry, Twist
 from push_scenario import load_scenario
 from push_scenario.simulation.loop import first_observation, make_simulation
-from push_sim_node.camera import Camera, CameraSettings
-from push_sim_node.sensors import PoseSensor, SensorSettings
+from push_sim_node.camera import Camera, CameraSettings, mirrored_tilt
+from push_sim_node.sensors import PoseSensor, SensorSettings, Sighting
 import pytest
 
 SCENARIO = load_scenario('task_demo')
@@ -95,9 +96,26 @@ def test_noise_grows_with_the_distance():
         place='robot', noise_per_distance=0.01, heading_noise_per_distance=0.02))
     sensor = PoseSensor(settings, *(np.random.default_rng(seed) for seed in (1, 2, 3)))
     for distance_, position, heading in ((0.0, 2e-3, 5e-3), (2.0, 0.022, 0.045)):
-        poses = np.array([sensor.measure(0.1 * i, Pose(0.0, 0.0, 0.0), 0.0, distance_).pose
+        poses = np.array([sensor.measure(0.1 * i, Pose(0.0, 0.0, 0.0), Sighting(0.0, distance_)).pose
                           for i in range(3000)])
         assert poses.std(axis=0) == pytest.approx([position, position, heading], rel=0.06)
+
+
+def test_a_mirrored_tilt_turns_the_normal_of_the_tag_to_the_other_side_of_the_line_of_sight():
+    """The tag itself stays; seen straight on there is nothing to mistake, nor on a round object."""
+    tags = [Pose(*contact_point(BOX, Contact('face', side)), face_normal(BOX, side) + math.pi)
+            for side in range(len(BOX.outline))]
+    for bearing in np.linspace(-3.0, 3.0, 50):
+        flip = mirrored_tilt(BOX, bearing)
+        seen = min(tags, key=lambda tag: abs(wrap_angle(bearing - tag.theta)))
+        moved = flip @ seen
+        assert moved[:2] == pytest.approx(seen[:2], abs=1e-12)
+        assert wrap_angle(moved.theta + seen.theta - 2.0 * bearing) == pytest.approx(
+            0.0, abs=1e-9)
+    for tag in tags:
+        assert mirrored_tilt(BOX, tag.theta) == pytest.approx((0.0, 0.0, 0.0), abs=1e-9)
+    disc = load_scenario('bin_round').object
+    assert mirrored_tilt(disc, 1.0) == (0.0, 0.0, 0.0)
 
 
 def test_poses_relative_to_the_room_are_refused():

@@ -7,7 +7,7 @@ import numpy as np
 from push_model.geometry import Pose
 from push_model.signals import PoseCovariance, Twist
 from push_sim_node.sensors import (
-    MIN_DEVIATION, OdometrySensor, PoseSensor, SensorSettings, ViewBias,
+    MIN_DEVIATION, OdometrySensor, PoseSensor, SensorSettings, Sighting, ViewBias,
 )
 import pytest
 
@@ -17,7 +17,7 @@ TRUE = Pose(1.0, -2.0, 3.0)
 def measured(settings, count=4000, seeds=(1, 2, 3), bearing=0.0):
     """Measure one pose many times, at 10 Hz."""
     sensor = PoseSensor(settings, *(np.random.default_rng(seed) for seed in seeds))
-    return [sensor.measure(0.1 * i, TRUE, bearing) for i in range(count)]
+    return [sensor.measure(0.1 * i, TRUE, Sighting(bearing)) for i in range(count)]
 
 
 def odometer(settings, pose=Pose(0.0, 0.0, 0.0), seed=1):
@@ -88,7 +88,7 @@ def test_the_view_bias_is_systematic_bounded_and_averages_out():
     poses = {pose.pose for pose in measured(settings, 50, bearing=0.7)}
     assert len(poses) == 1 and poses != {TRUE}
     turned = PoseSensor(settings, *(np.random.default_rng(seed) for seed in (1, 2, 3))).measure(
-        0.0, Pose(0.0, 0.0, 0.0), 0.7).pose
+        0.0, Pose(0.0, 0.0, 0.0), Sighting(0.7)).pose
     assert TRUE.inverse() @ poses.pop() == pytest.approx(turned, abs=1e-12)
 
 
@@ -230,3 +230,47 @@ def test_steps_of_odometry_leave_its_velocity_alone():
     settings = SensorSettings(odometry_step=0.01, odometry_angle_step=0.1)
     twist = Twist(0.123, 0.0, 0.77)
     assert travelled(settings, twist)[0].twist == travelled(SensorSettings(), twist)[0].twist
+
+
+def test_absolute_odometry_jumps_and_states_so():
+    """At stated times, by errors that are drawn anew each time; in between it only has noise."""
+    settings = SensorSettings(odometry_reference='absolute', odometry_jump=0.05,
+                              odometry_heading_jump=0.02, odometry_jump_period=2.0)
+    sensor = odometer(settings)
+    pose = Pose(3.0, -1.0, 0.7)
+    measured_poses = [sensor.measure(2.0 * i + 1.0, pose, Twist()) for i in range(1500)]
+    errors = np.array([odometry.pose for odometry in measured_poses]) - pose
+    assert errors.std(axis=0) == pytest.approx([0.05, 0.05, 0.02], rel=0.08)
+    assert np.abs(np.corrcoef(errors[:-1].T, errors[1:].T)[:3, 3:]).max() < 0.1
+    stated = measured_poses[0].covariance.matrix
+    assert np.cov(errors.T) == pytest.approx(stated, rel=0.15, abs=2e-4)
+    steady = odometer(settings)
+    within = [steady.measure(4.0 + 0.02 * i, pose, Twist()).pose for i in range(90)]
+    assert np.std(within, axis=0) == pytest.approx([1e-3, 1e-3, 2e-3], rel=0.3)
+
+
+def test_before_the_first_jump_absolute_odometry_is_as_without():
+    plain, jumping = (odometer(SensorSettings(odometry_reference='absolute', odometry_jump=jump,
+                                              odometry_jump_period=2.0)) for jump in (0.0, 0.1))
+    for i in range(99):
+        one, other = (each.measure(0.02 * i, TRUE, Twist()) for each in (plain, jumping))
+        assert one.pose == other.pose and one.twist == other.twist
+
+
+@pytest.mark.parametrize('flip', ['half_turn', 'mirrored_tilt'])
+def test_flips_come_as_often_as_stated_and_leave_other_poses_alone(flip):
+    sighting = Sighting(flip=Pose(0.01, 0.02, 0.6))
+    turned = TRUE @ (Pose(0.0, 0.0, math.pi) if flip == 'half_turn' else sighting.flip)
+    noisy = SensorSettings(pose_noise=1e-4)
+    flipping = dataclasses.replace(noisy, pose_flip_probability=0.2, pose_flip=flip)
+    sensors = [PoseSensor(settings, *(np.random.default_rng(seed) for seed in (1, 2, 3)))
+               for settings in (noisy, flipping)]
+    count = 0
+    for i in range(2000):
+        plain, flipped = (sensor.measure(0.1 * i, TRUE, sighting).pose for sensor in sensors)
+        if flipped != plain:
+            count += 1
+            error = np.subtract(flipped, turned)
+            error[2] = math.remainder(error[2], math.tau)
+            assert np.abs(error - np.subtract(plain, TRUE)).max() < 1e-9
+    assert count / 2000 == pytest.approx(0.2, abs=0.03)

@@ -113,3 +113,16 @@ def test_frames_without_a_name_are_refused(parent, child):
     """Nor may a frame be its own parent."""
     with pytest.raises(ValueError, match='expected two different names'):
         TransformBuffer().set(parent, child, 0, planar())
+
+
+def test_only_static_transforms_make_two_frames_rigid(robot):
+    """Whichever of the two is above; not where one link moves, nor where one is unknown."""
+    robot.set('camera', 'lens', 0, planar(0.0, 0.1), is_static=True)
+    robot.set('camera', 'tag', 2 * SECOND, planar(1.0))
+    expected = planar(0.2, 0.0, 0.5) @ planar(0.0, 0.1)
+    np.testing.assert_allclose(robot.rigid('base_link', '/lens').planar, expected.planar)
+    np.testing.assert_allclose((robot.rigid('lens', 'base_link') @ expected).planar,
+                               (0.0, 0.0, 0.0), atol=1e-12)
+    assert robot.rigid('odom', '/odom') == RigidTransform()
+    for frames in (('odom', 'camera'), ('base_link', 'tag'), ('base_link', 'nowhere')):
+        assert robot.rigid(*frames) is None

@@ -173,6 +173,31 @@ def test_a_task_in_the_map_with_a_camera_follows_what_drifts(tmp_path):
                         for text in frames.texts()))
 
 
+def test_a_camera_on_the_robot_needs_no_transform_of_odometry(tmp_path):
+    """A task begins, its object placed by the odometry that the controller has anyway."""
+    parameters = {**PHYSICS, 'use_sim_time': True, 'task': True}
+    with available_tf2_msgs(), bench(tmp_path, CONTROLLER, 'push_control.controller_node',
+                                     parameters) as b:
+        frames = Frames(b)
+        b.subscribe('push_request')
+        mount = Pose(0.1, 0.0, 0.2)
+        in_camera = mount.inverse() @ ROBOT.inverse() @ OBJECT
+
+        def measure():
+            for _ in range(5):
+                frames.now += PERIOD
+                b.clock(frames.now)
+                frames.publish('base_link', {'camera': upright(mount)}, is_static=True)
+                b.publish('object_pose', to_object_pose_message(
+                    ObjectPose(frames.now, in_camera), 'camera'))
+                b.publish('odom', to_odometry_message(Odometry(frames.now, ROBOT, STOP), 'odom',
+                                                      'base_link'))
+        b.wait_until(frames.texts)
+        b.publish('goal_pose', posed('odom', frames.now, GOAL_IN_MAP))
+        b.repeat_until(measure, lambda: requests(b))
+        assert requests(b)[0].object_pose == pytest.approx(OBJECT, abs=1e-3)
+
+
 def test_a_planner_takes_maps_and_object_poses_in_their_frames(tmp_path):
     """It has the map, and plans from the object pose that a camera has measured."""
     parameters = {**PHYSICS, 'use_sim_time': True, 'planner.site': 'best'}
@@ -241,3 +266,24 @@ def test_a_tracker_turns_tags_into_object_poses(tmp_path):
         # The same tag alone is no pose.
         b.repeat_until(lambda: see(misread=('front', 'top')),
                        lambda: 'sees outliers only' in frames.texts())
+
+
+def test_a_tracker_on_the_robot_needs_no_transform_of_odometry(tmp_path):
+    """With the base frame for its world, the poses of a camera there are relative to the robot."""
+    names = ('frame', 'x', 'y', 'z', 'roll', 'pitch', 'yaw')
+    parameters = {f'tracker.tags.{name}': [value]
+                  for name, value in zip(names, ('top', *TAGS['top']))}
+    with available_tf2_msgs(), bench(tmp_path, TRACKER, 'push_tracker.tracker_node',
+                                     {**parameters, 'world_frame': 'base_link'}) as b:
+        frames = Frames(b)
+        b.subscribe('object_pose', PoseWithCovarianceStamped)
+        relative, place = Pose(0.7, 0.2, -1.0), TAGS['top']
+
+        def see():
+            frames.now += PERIOD
+            frames.publish('camera', {'top': CAMERA.inverse() @ upright(relative)
+                                      @ RigidTransform.from_angles(place[:3], place[3:])})
+            frames.publish('base_link', {'camera': CAMERA}, is_static=True)
+        b.repeat_until(see, lambda: b.received['object_pose'])
+        found = from_object_pose_message(b.received['object_pose'][-1], 'base_link')
+        assert found.pose == pytest.approx(relative)

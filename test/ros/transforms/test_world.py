@@ -32,7 +32,7 @@ class Receiver:
 
     def __init__(self, timeout):
         self.node = PushNode('receiver', ())
-        self.world = WorldFrame(self.node, 'odom', timeout)
+        self.world = WorldFrame(self.node, 'odom', timeout, 'base_link')
         self.other = rclpy.create_node('localization')
         self.executor = SingleThreadedExecutor()
         self.executor.add_node(self.node)
@@ -41,17 +41,20 @@ class Receiver:
             is_static: self.other.create_publisher(transform_message_type(), topic, quality)
             for is_static, topic, quality in ((False, DYNAMIC_TOPIC, DYNAMIC_QOS),
                                               (True, STATIC_TOPIC, STATIC_QOS))}
-        # Messages in the world frame, reasons of refusals, corrections of what lasts.
+        # Messages in the world frame and in the base frame, reasons of refusals, corrections of
+        # what lasts.
         self.accepted = []
+        self.relative = []
         self.refused = []
         self.moved = []
 
-    def receive(self, message, topic='object_pose', lasting=False):
+    def receive(self, message, topic='object_pose', lasting=False, takes_relative=False):
         """Give the node a message, as its subscription would."""
         self.world.receive(topic, message, Handlers(
             self.accepted.append, lambda error, _: self.refused.append(str(error)),
             (lambda correction: self.moved.append(correction)) if lasting else None,
-            is_latched=topic == 'map'))
+            is_latched=topic == 'map',
+            accept_relative=self.relative.append if takes_relative else None))
 
     def transform(self, parent, child, now, transform, is_static=False):
         """Publish a transform."""
@@ -123,6 +126,39 @@ def test_an_object_in_a_camera_waits_for_the_transform_at_its_stamp(receiver):
     assert from_pose_message(accepted.pose, '') == pytest.approx(Pose(1.5, 0.3, 0.2))
     assert accepted.pose.position.z == pytest.approx(0.0)
     assert not receiver.refused
+
+
+def test_a_pose_that_a_camera_on_the_robot_measures_is_relative_without_odometry(receiver):
+    """In the base frame at once, in that of the camera once its place on the robot is known."""
+    receiver.receive(pose_message('base_link', 10.0, (1.0, 0.2, 0.3)), takes_relative=True)
+    relative, = receiver.relative
+    assert from_pose_message(relative.pose, '') == pytest.approx(Pose(1.0, 0.2, 0.3))
+    seen = CAMERA.inverse() @ upright(1.0, 0.3, 0.2)
+    message = pose_message('camera', 10.5, (0.0, 0.0, 0.0))
+    position, orientation = message.pose.position, message.pose.orientation
+    position.x, position.y, position.z = seen[:3]
+    orientation.x, orientation.y, orientation.z, orientation.w = seen.quaternion
+    receiver.receive(message, takes_relative=True)
+    receiver.spin_until(lambda: len(receiver.relative) > 1, lambda: receiver.transform(
+        'base_link', 'camera', 0.0, CAMERA, is_static=True))
+    relative = receiver.relative[1]
+    assert relative.header.frame_id == 'base_link' and relative.header.stamp == to_stamp(10.5)
+    assert from_pose_message(relative.pose, '') == pytest.approx(Pose(1.0, 0.3, 0.2))
+    assert not receiver.accepted and not receiver.refused
+
+
+def test_a_pose_of_a_camera_beside_the_robot_goes_to_the_world(receiver):
+    """Although it hangs below the base frame, where that link moves."""
+    receiver.receive(pose_message('mast', 10.5, (1.0, 0.0, 0.0)), takes_relative=True)
+
+    def drive():
+        for now in (10.0, 11.0):
+            receiver.transform('odom', 'base_link', now, upright(1.0, 0.0, 0.0))
+            receiver.transform('base_link', 'mast', now, upright(0.0, now, 0.0))
+    receiver.spin_until(lambda: receiver.accepted, drive)
+    assert from_pose_message(receiver.accepted[0].pose, '') == pytest.approx(
+        Pose(2.0, 10.5, 0.0))
+    assert not receiver.relative
 
 
 def test_the_covariance_turns_with_the_pose(receiver):
