@@ -133,7 +133,7 @@ def _parser() -> argparse.ArgumentParser:
                         help="control law, in place of the scenario's; repeat it to compare laws")
     parser.add_argument('--sensors', metavar='NAME',
                         help="sensors of the simulator, in place of the scenario's: path of a "
-                        'file, or name of one of config/sensors')
+                        'file, or name of one of config/sensors; a task expects their poses')
     parser.add_argument('--map', metavar='FILE', type=Path,
                         help="map of a task, in place of the scenario's: YAML file of "
                         'nav2_map_server, or one drawn in characters as in config/maps')
@@ -207,11 +207,13 @@ def _write_scenario(scenario: 'Scenario', folder: Path) -> None:
 def _read_scenario(options: argparse.Namespace) -> 'Scenario':
     """Read the scenario, with the sensors and the map of the command line."""
     from push_model.files.parameter_files import named_file
+    from push_scenario.definition.expected_poses import with_sensors
     from push_scenario.definition.loader import read_scenario, read_sensors, with_map
     scenario = read_scenario(find_scenario(options.scenario))
     if options.sensors:
-        scenario = dataclasses.replace(
-            scenario, sensors=read_sensors(named_file('sensors', options.sensors)))
+        sensors = read_sensors(named_file('sensors', options.sensors))
+        scenario = (with_sensors(scenario, sensors) if scenario.task is not None
+                    else dataclasses.replace(scenario, sensors=sensors))
     return with_map(scenario, options.map) if options.map else scenario
 
 

@@ -17,8 +17,8 @@ from push_sim_node.camera import CameraSettings
 # Deviation that odometry states where the settings have less [m, rad, m/s, rad/s]: chosen, as
 # encoders resolve it. A variance of 0 would count as not stated.
 MIN_DEVIATION = 1e-3
-# How a detector mistakes the orientation of an object: by half a turn, as of one that it knows by
-# its shape; or as it mistakes the tilt of a single tag, which it sees mirrored at the line of sight.
+# How a detector mistakes the orientation of an object: by half a turn, where it goes by the shape;
+# or by the tilt of a single tag, which it sees mirrored at the line of sight.
 PoseFlip: TypeAlias = Literal['half_turn', 'mirrored_tilt']
 # One call is not worth compiling it.
 chord_velocity = interpreted(actuation.chord_velocity)

@@ -5,14 +5,13 @@ from pathlib import Path
 import tempfile
 from typing import Any, Callable, TypeVar
 
-from push_control.settings import ControlSettings
-from push_control.supervision_settings import SupervisionSettings
 from push_model.files.flat_values import from_parameter_values, to_parameter_values
 from push_model.files.parameter_files import (
     named_file, ParameterFileError, read_object, read_robot,
 )
 from push_model.parameters import PushedObject, RoundRobot
 from push_ros.topics import CONTROLLER, SIM
+from push_scenario.definition.expected_poses import expected_poses
 from push_scenario.definition.loader import read_sensors
 from push_sim_node.sensors import SensorSettings
 import yaml
@@ -22,8 +21,6 @@ SIM_SECTION = f'{ANY_NODE}/{SIM}'
 CONTROLLER_SECTION = f'{ANY_NODE}/{CONTROLLER}'
 # Clearance between robot and object at the start of a simulation [m], chosen: room to turn.
 START_CLEARANCE = 0.3
-# Periods of poses after which one is missed, beyond their latency; chosen: two may be lost.
-TIMEOUT_PERIODS = 3.0
 # What a file describes.
 Values = TypeVar('Values')
 
@@ -74,7 +71,8 @@ def launch_parameters(path: str | Path, object_name: str = '', robot_name: str =
     if sensors_name:
         sensors = _read('sensors', named_file('sensors', sensors_name), read_sensors)
         _replace(sections, 'sensors.', sensors, SIM_SECTION)
-        sections.setdefault(CONTROLLER_SECTION, {}).update(pose_settings(sensors))
+        robot = from_parameter_values(RoundRobot, {**sections[ANY_NODE], **sim}, 'robot.')
+        sections.setdefault(CONTROLLER_SECTION, {}).update(pose_settings(sensors, robot.radius))
     return sections
 
 
@@ -86,33 +84,16 @@ def _read(argument: str, path: Path, read: Callable[[Path], Values]) -> Values:
         raise ParameterFileError(f'{argument}: {error}') from error
 
 
-def pose_settings(sensors: SensorSettings) -> dict[str, float]:
+def pose_settings(sensors: SensorSettings, robot_radius: float) -> dict[str, Any]:
     """
-    Compute what the controller has to know of poses.
+    Compute what the controller has to know of poses, as ``expected_poses`` does.
 
-    With the latency L, the rate f, a bias by view of at most b (``ViewBias``) and outliers of
-    standard deviation j:
-
-        pose_timeout = L + 3 / f,   pose_bias = b / sqrt(8),   heading_bias = b_heading / 2,
-        moved_distance = max(2 b, j),    moved_angle = max(2 b_heading, j_heading)
-
-    and never less than the defaults.
-
+    :param robot_radius: [m].
     :return: parameters of the controller, with dotted names.
     """
-    control, supervision = ControlSettings(), SupervisionSettings()
-    jump, heading_jump = 0.0, 0.0
-    if sensors.pose_jump_probability > 0.0:
-        jump, heading_jump = sensors.pose_jump, sensors.pose_heading_jump
-    return {
-        'control.pose_timeout': max(control.pose_timeout, sensors.pose_latency
-                                    + TIMEOUT_PERIODS / sensors.pose_rate),
-        'control.pose_bias': max(control.pose_bias, sensors.pose_bias / math.sqrt(8.0)),
-        'control.heading_bias': max(control.heading_bias, 0.5 * sensors.pose_heading_bias),
-        'supervision.moved_distance': max(supervision.moved_distance, 2.0 * sensors.pose_bias,
-                                          jump),
-        'supervision.moved_angle': max(supervision.moved_angle, 2.0 * sensors.pose_heading_bias,
-                                       heading_jump)}
+    expected = expected_poses(sensors, robot_radius)
+    return {**{f'control.{name}': value for name, value in expected.control.items()},
+            **{f'supervision.{name}': value for name, value in expected.supervision.items()}}
 
 
 def write_parameters(sections: dict[str, dict[str, Any]], folder: str | Path) -> str:

@@ -109,6 +109,20 @@ def test_the_controller_expects_the_poses_of_the_sensors():
     assert camera['supervision.moved_distance'] == 0.1
 
 
+def test_a_camera_on_the_robot_sets_view_noise_and_time_out():
+    """The view is that of the example in the docs: 0.18 m; motion capture has none."""
+    own, near, mocap = (launch_parameters(DEFAULT, robot_name='disc_017', sensors_name=name)[
+        f'/**/{CONTROLLER}'] for name in ('own_camera', 'near', 'mocap'))
+    assert own['supervision.view_nearest'] == pytest.approx(0.18)
+    assert own['supervision.view_angle'] == pytest.approx(math.radians(34.5))
+    assert own['control.heading_noise'] == pytest.approx(math.radians(0.5))
+    assert own['control.heading_noise_per_distance'] == pytest.approx(math.radians(1.0), rel=1e-3)
+    assert own['control.pose_timeout'] == pytest.approx(0.45)
+    assert near['supervision.view_nearest'] == pytest.approx(0.15)
+    assert near['supervision.view_angle'] == math.pi
+    assert not any('view' in name for name in mocap)
+
+
 def test_a_scenario_may_name_a_file_of_sensors_and_change_parts_of_it():
     text = named_file('scenarios', 'straight_push').read_text()
     scenario = scenario_from_text(text + '\nsensors: {file: camera.yaml, pose_rate: 5.0}', 'seen')

@@ -96,13 +96,14 @@ def test_noise_grows_with_the_distance():
         place='robot', noise_per_distance=0.01, heading_noise_per_distance=0.02))
     sensor = PoseSensor(settings, *(np.random.default_rng(seed) for seed in (1, 2, 3)))
     for distance_, position, heading in ((0.0, 2e-3, 5e-3), (2.0, 0.022, 0.045)):
-        poses = np.array([sensor.measure(0.1 * i, Pose(0.0, 0.0, 0.0), Sighting(0.0, distance_)).pose
+        sighting = Sighting(distance=distance_)
+        poses = np.array([sensor.measure(0.1 * i, Pose(0.0, 0.0, 0.0), sighting).pose
                           for i in range(3000)])
         assert poses.std(axis=0) == pytest.approx([position, position, heading], rel=0.06)
 
 
 def test_a_mirrored_tilt_turns_the_normal_of_the_tag_to_the_other_side_of_the_line_of_sight():
-    """The tag itself stays; seen straight on there is nothing to mistake, nor on a round object."""
+    """The tag itself stays. Nothing is mistaken straight on, nor on a round object."""
     tags = [Pose(*contact_point(BOX, Contact('face', side)), face_normal(BOX, side) + math.pi)
             for side in range(len(BOX.outline))]
     for bearing in np.linspace(-3.0, 3.0, 50):
