@@ -48,6 +48,7 @@ setup(
         'play': ['aiohttp'],
         'plot': ['matplotlib', 'pillow', 'tqdm'],
         'record': ['rosbags'],
+        'trees': ['py_trees'],
         'validation': ['mujoco'],
         'test': ['catkin-pkg', 'colcon-core', 'colcon-ros', 'hypothesis', 'mcap', 'pytest',
                  'pytest-xdist', 'selenium'],

@@ -18,10 +18,10 @@ ROSDEP_KEYS = {'numpy': 'python3-numpy', 'scipy': 'python3-scipy', 'numba': 'pyt
                'pyyaml': 'python3-yaml', 'setuptools': None}
 EXTRA_KEYS = {'casadi-pip', 'python3-aiohttp', 'python3-matplotlib', 'python3-pil',
               'python3-rosbags-pip', 'python3-tqdm', 'python3-mujoco-pip', 'python3-pytest',
-              'rviz2'}
+              'py_trees', 'rviz2'}
 # Modules that the extras bring, some of them through others.
 EXTRA_MODULES = ['aiohttp', 'casadi', 'dask', 'distributed', 'hypothesis', 'matplotlib', 'mcap',
-                 'mujoco', 'PIL', 'rosbags', 'selenium', 'tqdm']
+                 'mujoco', 'PIL', 'py_trees', 'rosbags', 'selenium', 'tqdm']
 IMPORT_WITHOUT = """
 import importlib, sys
 modules, absent = (text.split(',') for text in sys.argv[1:])

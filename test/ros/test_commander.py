@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 import contextlib
+import math
 import os
 from pathlib import Path
 import signal
@@ -21,6 +22,8 @@ from push_scenario.dds.private_network import private_domain, private_environmen
 from push_scenario.dds.processes import NodeProcesses
 from push_scenario.definition.catalogue import find_scenario
 from push_scenario.definition.loader import read_scenario
+from py_trees.common import Status
+from py_trees.composites import Selector, Sequence
 import pytest
 import rclpy
 from rclpy.context import Context
@@ -139,6 +142,48 @@ def test_the_example_runs(context, commander):
              'PYTHONPATH': os.pathsep.join([str(ROOT), os.environ['PYTHONPATH']])})
     assert done.returncode == 0, done.stdout
     assert 'SUCCEEDED' in done.stdout
+
+
+def tick_to_the_end(root, nodes, reaction=None):
+    """Tick a tree until it has ended, and return its status."""
+    while True:
+        root.tick_once()
+        if root.status is not Status.RUNNING:
+            return root.status
+        time.sleep(POLL_PAUSE)
+        nodes.check()
+        if reaction is not None and reaction():
+            root.stop(Status.INVALID)
+            return root.status
+
+
+def test_a_tree_pushes_and_chooses_by_the_code(context, commander):
+    """A goal that is none fails with its code, by which the tree goes on to another one."""
+    from push_control_msgs.action import PushObject as Action
+    from push_ros.behavior_tree import PushFailedWith, PushObject
+    impossible = PushObject('nowhere', commander, Pose(math.nan, 0.0, 0.0))
+    possible, other = (PushObject(name, commander, NEAR) for name in ('near', 'other'))
+    root = Selector('anywhere', memory=True, children=[
+        impossible,
+        Sequence('other codes', memory=True, children=[
+            PushFailedWith('no plan', impossible, Action.Result.NO_VALID_PLAN), other]),
+        Sequence('no goal', memory=True, children=[
+            PushFailedWith('no goal', impossible, Action.Result.INVALID_GOAL), possible])])
+    assert tick_to_the_end(root, context[1]) is Status.SUCCESS
+    assert impossible.result.error_code == Action.Result.INVALID_GOAL
+    assert other.result is None
+    assert possible.result.position_error < SCENARIO.task.supervision.position_tolerance
+
+
+def test_a_tree_that_turns_away_cancels_the_push(context, commander):
+    from push_ros.behavior_tree import PushObject
+    from push_ros.commander import PushOutcome
+    push = PushObject('far', commander, FAR)
+    status = tick_to_the_end(push, context[1],
+                             lambda: commander.feedback() and commander.feedback().push_number)
+    assert status is Status.INVALID
+    result, _ = watch(commander, context[1])
+    assert result.outcome is PushOutcome.CANCELLED
 
 
 def test_a_controller_that_is_killed_and_started_again_has_lost_its_goal(
