@@ -1,5 +1,5 @@
 """
-Finding out how a base follows its commands: dead time, least speeds, length of pulses.
+Finding out how a base follows its commands: dead time, accelerations, least speeds, pulses.
 
 What is sent is followed by models with the nominal lag and no dead time, x_a(t): one accelerates
 as stated, one is quicker. The dead time is the shift by which the better of them fits what
@@ -7,7 +7,8 @@ odometry measures best,
 
     (tau, a) = argmin_(d, a)  mean |v(t) - x_a(t - d)|^2
 
-and a wheel, or axis, does not turn yet where in a window v covers far less than x(t - tau) does.
+where ``AccelerationSearch`` may find models that accelerate less to be the better ones. And a
+wheel, or axis, does not turn yet where in a window v covers far less than x(t - tau) does.
 The greatest command in that window is then below its least speed. Pulses that move nothing,
 although they are above that, get longer where the acceleration of the base does not allow it to
 reach their height, and higher else, and come back once they move it. A least speed
@@ -22,10 +23,11 @@ import statistics
 from typing import NamedTuple
 
 import numpy as np
-from push_base.base_knowledge import BaseKnowledge, PULSE
+from push_base.acceleration_search import AccelerationSearch, AS_STATED, SLOW_RATIOS
 from push_base.command_shaper import MARGINS, pulse_heights
 from push_dynamics import actuation
 from push_dynamics.compiled import interpreted
+from push_model.base_knowledge import BaseKnowledge, PULSE
 from push_model.geometry import FloatArray
 from push_model.parameters import RoundRobot
 from push_model.signals import Odometry, STOP, Twist
@@ -34,10 +36,16 @@ from push_model.signals import Odometry, STOP, Twist
 # starts and stops of the base.
 STEP = 0.01
 HISTORY = 3.0
-# Accelerations of the models over the limit; chosen: bases are mostly quicker than stated. The
-# quicker one, whose response comes first, tells whether a wheel turns.
-ACCELERATION_RATIOS = 1.0, 1.5
-QUICKER = 1
+# Accelerations of the models over the limit, of bases as stated; chosen: they are mostly quicker.
+# Behind them are the slow ones.
+STATED_RATIOS = 1.0, 1.5
+STATED_COUNT = len(STATED_RATIOS)
+ACCELERATION_RATIOS = *STATED_RATIOS, *SLOW_RATIOS
+# The last one of a list of models, whose response comes first, tells whether a wheel turns.
+QUICKER = -1
+# Part of the variance that models as stated have to leave to look for slow ones; chosen: what a
+# lag that is half as long or twice leaves.
+MIN_UNEXPLAINED = 0.02
 # Longest dead time that is looked for, step and period of the search [s]; chosen: twice what a
 # robot can push with.
 MAX_SHIFT = 0.6
@@ -151,6 +159,8 @@ class BaseIdentifier:
             else [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, half]], dtype=np.float64)
         self._half_track = half
         self._results: deque[float] = deque(maxlen=RESULTS)
+        # Of translation and rotation.
+        self._accelerations = AccelerationSearch(), AccelerationSearch()
         self._last_change = -math.inf
         # Least speed or yaw rate by evidence, without what pulses needed besides.
         self._evidence = [robot.min_speed, robot.min_yaw_rate]
@@ -247,11 +257,15 @@ class BaseIdentifier:
             return
         shifts = np.arange(0.0, MAX_SHIFT + 0.5 * SHIFT_STEP, SHIFT_STEP)
         times = samples[:, 0] - shifts[:, None]
+        responses = self._candidates(times)
         errors_by_model = [
-            ((velocities - self._looked_up(responses, times) @ self._channels.T) ** 2)
-            .sum(axis=2).mean(axis=1) for responses in self._responses]
+            ((velocities - response @ self._channels.T) ** 2).sum(axis=2).mean(axis=1)
+            for response in responses]
         errors = min(errors_by_model, key=np.min)
         best = int(errors.argmin())
+        is_explained = errors[best] <= MIN_UNEXPLAINED * variance
+        if not (is_explained and self._is_as_stated) and self._find_accelerations(samples, times):
+            return
         if errors[best] > MAX_UNEXPLAINED * variance:
             return
         self._results.append(float(shifts[best]) + SHIFT_STEP * _vertex(errors, best))
@@ -262,13 +276,52 @@ class BaseIdentifier:
         if abs(found - self.knowledge.dead_time) >= MIN_CHANGE:
             self.knowledge = self.knowledge._replace(dead_time=found)
 
+    @property
+    def _is_as_stated(self) -> bool:
+        return all(search.model == AS_STATED for search in self._accelerations)
+
+    def _candidates(self, times: FloatArray) -> list[FloatArray]:
+        """Look up the responses of the models that the base may have; the quicker one is last."""
+        translation, rotation = (search.model for search in self._accelerations)
+        if translation == rotation == AS_STATED:
+            return [self._looked_up(rows, times) for rows in self._responses[:STATED_COUNT]]
+        response = self._looked_up(self._responses[_row(translation)], times)
+        response[..., 2] = self._looked_up(self._responses[_row(rotation)], times)[..., 2]
+        return [response]
+
+    def _find_accelerations(self, samples: FloatArray, times: FloatArray) -> bool:
+        """
+        Find out whether the base accelerates otherwise than is believed.
+
+        :param samples: of odometry, shape (n, 4).
+        :param times: of the responses by shift and sample, shape (d, n) [s].
+        :return: whether that explains its motion far better.
+        """
+        measured = samples[:, 1:] * (1.0, 1.0, self._half_track)
+        squares = np.stack([
+            (measured - self._looked_up(rows, times) * (1.0, 1.0, self._half_track)) ** 2
+            for rows in self._responses])
+        is_better = False
+        for search, channels in zip(self._accelerations, (slice(0, 2), slice(2, 3))):
+            errors = squares[..., channels].sum(axis=3).mean(axis=2).min(axis=1)
+            errors = np.array([errors[:STATED_COUNT].min(), *errors[STATED_COUNT:]])
+            is_better |= search.add(errors, float(measured[:, channels].var(axis=0).sum()))
+        limits = [math.inf if search.ratio is None else search.ratio * stated
+                  for search, stated in zip(self._accelerations, (
+                      self._robot.max_acceleration, self._robot.max_yaw_acceleration))]
+        known = self.knowledge._replace(max_acceleration=limits[0], max_yaw_acceleration=limits[1])
+        if known != self.knowledge:
+            # The dead times until now were those of another model.
+            self._results.clear()
+            self.knowledge = known
+        return is_better
+
     def _find_least_speeds(self, samples: FloatArray, time: float) -> None:
         """Find out which wheels or axes do not turn although they should."""
         shifted = samples[:, 0] - self.knowledge.dead_time
         measured = samples[:, 1:] @ self._channels.T
         commands = self._looked_up(self._commands, shifted) @ self._channels.T
-        models = [self._looked_up(responses, shifted) @ self._channels.T
-                  for responses in self._responses]
+        models = [response @ self._channels.T for response in self._candidates(shifted)]
 
         def windows(channels: slice, unit: float = 1.0) -> list[_Window]:
             return [_Window.of(expected[:, channels] / unit, measured[:, channels] / unit,
@@ -338,6 +391,11 @@ class BaseIdentifier:
     def _set(self, axis: int, least: float) -> None:
         self.knowledge = (self.knowledge._replace(min_speed=least) if axis == 0
                           else self.knowledge._replace(min_yaw_rate=least))
+
+
+def _row(model: int) -> int:
+    """Return the index in ``ACCELERATION_RATIOS`` of a model of ``AccelerationSearch``."""
+    return 0 if model == AS_STATED else STATED_COUNT + model - 1
 
 
 def _vertex(values: FloatArray, index: int) -> float:

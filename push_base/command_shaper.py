@@ -18,7 +18,7 @@ desired direction: the base waits until as much is desired.
 
 import math
 
-from push_base.base_knowledge import BaseKnowledge
+from push_model.base_knowledge import BaseKnowledge
 from push_model.parameters import RoundRobot
 from push_model.signals import STOP, Twist
 from push_model.wheels import twist_of_wheels, wheel_speeds

@@ -2,6 +2,7 @@
 
 from typing import NamedTuple, Optional
 
+from push_model.base_knowledge import BaseKnowledge
 from push_model.events import EventReport
 from push_model.signals import ObjectPose, Odometry
 
@@ -14,15 +15,14 @@ class Observation(NamedTuple):
     :param odometry: robot pose (world frame, drifting) and twist (robot's axes).
     :param object_pose: the last object pose that arrived, or None before the first.
     :param pose_rejection: ``EventReport`` of why a newer pose is not believed, or None.
-    :param dead_time: with which the base follows its commands, as identified by now [s]; None for
-        as stated.
+    :param base: what is known of the base by now; None for as stated.
     """
 
     time: float
     odometry: Odometry
     object_pose: Optional[ObjectPose] = None
     pose_rejection: Optional[EventReport] = None
-    dead_time: Optional[float] = None
+    base: Optional[BaseKnowledge] = None
 
     @property
     def stamps(self) -> tuple[float, float, Optional[float]]:

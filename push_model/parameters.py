@@ -204,8 +204,9 @@ class RoundRobot:
                             'the radius', 'm', 0.0, 10.0, default=0.0)
     max_push_force: float = quantity('force with which the robot pushes before its wheels spin',
                                      'N', above=0.0, infinite=True, default=INFINITY)
-    identify_base: bool = quantity('whether dead time and least speeds are learned from the '
-                                   'motion; else they are as stated', default=True)
+    identify_base: bool = quantity('whether dead time, least speeds and accelerations are '
+                                   'learned from the motion; else they are as stated',
+                                   default=True)
 
     def __post_init__(self) -> None:
         """Validate the fields."""

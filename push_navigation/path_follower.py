@@ -169,8 +169,11 @@ class PathFollower:
             if not (math.isfinite(value) and value >= 0.0):
                 raise ValueError(f'{name}: got {value!r}, expected a finite number of at least 0')
         self._robot = robot
+        self._settings = settings
         self._limits = settings.limited_to(robot)
         self._goal = path.poses[-1]
+        # The path, with the speed at which it is left, that the sections are of.
+        self._path, self._end_speed = path, end_speed
         self._sections = split_at_stops(path, self._limits, end_speed)
         # A rotation in place at the end is a stop at any rate.
         self._passes_end = (end_speed > 0.0 and bool(self._sections)
@@ -183,6 +186,22 @@ class PathFollower:
         self._motion: tuple[float, float, float] = motion
         self.finished = False
         self.missed = False
+
+    def limit_to(self, robot: RoundRobot) -> bool:
+        """
+        Keep to other limits from now on.
+
+        :param robot: the ``RoundRobot`` as known by now.
+        :return: whether they differ from those until now.
+        """
+        limits = self._settings.limited_to(robot)
+        if limits == self._limits:
+            return False
+        self._limits = limits
+        # Limits do not change where the robot stops.
+        sections = split_at_stops(self._path, limits, self._end_speed)
+        self._sections = sections[len(sections) - len(self._sections):]
+        return True
 
     @property
     def remaining_distance(self) -> float:
@@ -239,7 +258,8 @@ class PathFollower:
         self._rest_time = self._rest_time + dt if resting else 0.0
         self.finished = resting and self._is_at_goal(pose) and self._is_at_goal(predicted)
         if self._rest_time > REST_TIMEOUT and not self.finished:
-            self._sections = split_at_stops(self._direct_path(pose), self._limits)
+            self._path, self._end_speed = self._direct_path(pose), 0.0
+            self._sections = split_at_stops(self._path, self._limits)
         return not self._sections
 
     def _check_passing(self, pose: Pose) -> None:

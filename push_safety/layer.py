@@ -12,8 +12,8 @@ import math
 from typing import Protocol
 
 from push_base.base_identifier import BaseIdentifier
-from push_base.base_knowledge import BaseKnowledge
 from push_base.command_shaper import CommandShaper
+from push_model.base_knowledge import BaseKnowledge
 from push_model.observation import Observation
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import Odometry, STOP, Twist
@@ -194,8 +194,7 @@ class SafetyLayer:
         checked = self.with_checked_pose(observation)
         fault = self.observe(checked.odometry)
         controller.on_safety_report(fault, self.report)
-        dead_time = self._identifier.knowledge.dead_time
-        return self.filter(step(checked._replace(dead_time=dead_time)), checked.time)
+        return self.filter(step(checked._replace(base=self.base_knowledge)), checked.time)
 
     def observe(self, odometry: Odometry) -> SafetyReport | None:
         """

@@ -13,8 +13,8 @@ import math
 from typing import Any
 
 import numpy as np
-from push_base.base_knowledge import BaseKnowledge
 from push_control.task.status import StateChange
+from push_model.base_knowledge import BaseKnowledge
 from push_model.friction import friction_center
 from push_model.geometry import Coordinates, FloatArray, Pose
 from push_model.parameters import PushedObject, RoundRobot
@@ -93,9 +93,12 @@ def base_message(time: float, base: BaseKnowledge) -> Message:
 
 
 def _base_values(base: RoundRobot | BaseKnowledge) -> Message:
-    return {'dead_time': _rounded_number(base.dead_time),
-            'min_speed': _rounded_number(base.min_speed),
-            'min_yaw_rate': _rounded_number(base.min_yaw_rate)}
+    values = {'dead_time': base.dead_time, 'min_speed': base.min_speed,
+              'min_yaw_rate': base.min_yaw_rate, 'max_acceleration': base.max_acceleration,
+              'max_yaw_acceleration': base.max_yaw_acceleration}
+    # Accelerations as stated are infinite in what is known.
+    return {name: _rounded_number(value) for name, value in values.items()
+            if math.isfinite(value)}
 
 
 def rows_message(rows: Iterable[Sequence[float]] | FloatArray) -> Message:

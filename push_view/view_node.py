@@ -7,8 +7,8 @@ import secrets
 import sys
 from typing import Any
 
-from push_base.base_knowledge import BaseKnowledge
 from push_control.task.status import TaskState
+from push_model.base_knowledge import BaseKnowledge
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.quantity import check, quantity

@@ -57,13 +57,19 @@ class PathExecution:
         self._robot = robot
         self._path = path
         self._stall_timeout = stall_timeout
-        self._remaining_time = (
-            TRAVEL_TIME_FACTOR * travel_time(path, robot, drive, end_speed=end_speed)
-            + stall_timeout)
+        self._drive = drive
+        self._end_speed = end_speed
+        self._remaining_time = self._time_limit(robot)
         self._last_motion: Pose | None = None
         self._standing_time = 0.0
         self.finished = False
         self.failure: FailureReport | None = None
+
+    def _time_limit(self, robot: RoundRobot) -> float:
+        """Return the time in which a robot has to come to the end of the path [s]."""
+        return (TRAVEL_TIME_FACTOR * travel_time(self._path, robot, self._drive,
+                                                 end_speed=self._end_speed)
+                + self._stall_timeout)
 
     @property
     def has_missed_end(self) -> bool:
@@ -80,6 +86,15 @@ class PathExecution:
         nearest = int(np.hypot(*(poses[:, :2] - pose[:2]).T).argmin())
         return (occupancy_map is None
                 or occupancy_map.robot_is_free(self._robot, poses[nearest:], 0.0))
+
+    def limit_to(self, robot: RoundRobot) -> None:
+        """
+        Keep to other limits on the remainder of the path; where they are lower it takes longer.
+
+        :param robot: the ``RoundRobot`` as known by now.
+        """
+        if self._follower.limit_to(robot):
+            self._remaining_time = max(self._remaining_time, self._time_limit(robot))
 
     def step(self, pose: Pose, dt: float, ahead: Pose | None = None) -> Twist:
         """
@@ -162,6 +177,7 @@ class PathBehavior(Behavior[Perception]):
                 self.context.robot, self.context.drive, path,
                 self.context.supervision.stall_timeout, end_speed=self._end_speed)
         execution = self._execution
+        execution.limit_to(perception.limited(self.context.robot))
         command = execution.step(perception.robot_pose, dt, perception.pose_ahead)
         # Beside the end of a path that is passed at speed is good enough, too.
         self.finished = execution.finished or execution.has_missed_end

@@ -25,6 +25,7 @@ from push_control.steered.laws.braking import braking_distance
 from push_control.steered.status import ControllerStatus, Phase
 from push_model.events import sentence
 from push_model.geometry import distance, Pose, wrap_angle
+from push_model.parameters import RoundRobot
 from push_model.signals import ObjectPose, STOP, Twist
 from push_model.trajectory import PushTrajectory
 from push_navigation.occupancy_map import OccupancyMap
@@ -131,6 +132,7 @@ class StraightPush(Behavior[TaskPerception]):
         # Direction of motion in the robot's axes from the touch on [rad].
         self._direction = 0.0
         self._memory = ensemble.remember_robot()
+        self._command = STOP
         self._spin_watch: SpinWatch | None = None
         self._guard = None if self._map is None else ObstacleGuard(
             self._map, context.obj, context.robot, target)
@@ -156,9 +158,25 @@ class StraightPush(Behavior[TaskPerception]):
         """End the push: the robot stands."""
         if self._progress.stage is not Stage.STOPPING:
             self._stop()
+        self._command = STOP
 
     def step(self, perception: TaskPerception, dt: float) -> Twist:
         """Compute the command."""
+        command = self._desired(perception, dt)
+        if self._progress.stage is Stage.STOPPING and self.failure is None:
+            command = self._braked(perception.limited(self._robot), dt)
+        self._command = command
+        return command
+
+    def _braked(self, robot: RoundRobot, dt: float) -> Twist:
+        """Brake at once, or as slowly as the base is known to do."""
+        speed = math.hypot(*self._command[:2])
+        if robot is self._robot or speed == 0.0:
+            return STOP
+        ratio = max(0.0, 1.0 - robot.max_acceleration * dt / speed)
+        return Twist(*(ratio * value for value in self._command)) if ratio else STOP
+
+    def _desired(self, perception: TaskPerception, dt: float) -> Twist:
         progress = self._progress = self._measured(perception, dt)
         if progress.stage is Stage.STOPPING:
             return self._finish_stop(perception)
@@ -211,8 +229,9 @@ class StraightPush(Behavior[TaskPerception]):
                 remaining=max(0.0, progress.course.remaining - pushed)),
             pending_distance=pending,
             is_pending=perception.base.has_pending_motion(perception.time),
-            braking_distance=pending + (braking_distance(self._robot, final_speed)
-                                        + BRAKING_DELAY * final_speed))
+            braking_distance=pending + (
+                braking_distance(perception.limited(self._robot), final_speed)
+                + BRAKING_DELAY * final_speed))
 
     def _with_object(self, progress: PushProgress, perception: TaskPerception) -> PushProgress:
         """Compare the object with where it was before the push."""
@@ -298,7 +317,8 @@ class StraightPush(Behavior[TaskPerception]):
         free_gap = max(0.0, gap - 2.0 * ensemble.position_deviation - TOUCH_MARGIN)
         speed = math.sqrt(
             self._touch_speed ** 2
-            + 2.0 * APPROACH_DECELERATION * self._robot.max_acceleration * free_gap)
+            + 2.0 * APPROACH_DECELERATION * perception.limited(self._robot).max_acceleration
+            * free_gap)
         speed = min(speed, self._robot.max_speed)
         return self._along_line(speed, lateral, wrap_angle(pose.theta - line.theta))
 

@@ -65,8 +65,8 @@ class TaskPerception(RawPerception):
     def update(self, observation: Observation) -> None:
         """Take in measurements."""
         odometry, measured = observation.odometry, self._present_pose(observation)
-        if observation.dead_time is not None:
-            self.base.dead_time = observation.dead_time
+        if observation.base is not None:
+            self.base.dead_time = observation.base.dead_time
         has_odometry = is_finite_odometry(odometry)
         has_pose = measured is not None and measured.pose.is_finite()
         if has_odometry:
@@ -76,7 +76,7 @@ class TaskPerception(RawPerception):
         if has_odometry or has_pose:
             odometry = self.localization.corrected(odometry)
         self._observation = Observation(observation.time, odometry, measured,
-                                        observation.pose_rejection)
+                                        observation.pose_rejection, observation.base)
 
     def _present_pose(self, observation: Observation) -> ObjectPose | None:
         """Return the object pose, unless it is of where the object was before."""

@@ -7,6 +7,7 @@ from push_control.settings import ControlSettings
 from push_model.events import EventReport, Report
 from push_model.geometry import Pose
 from push_model.observation import Observation
+from push_model.parameters import RoundRobot
 from push_model.signals import ObjectEstimate, ObjectPose, Twist
 
 
@@ -105,6 +106,15 @@ class RawPerception:
     def pose_ahead(self) -> Pose | None:
         """``Pose`` of the robot a dead time and a lag ahead; None where it has no dead time."""
         return None
+
+    def limited(self, robot: RoundRobot) -> RoundRobot:
+        """
+        Limit a robot to the accelerations that its base was seen to reach.
+
+        :param robot: the ``RoundRobot``, nominal.
+        """
+        known = None if self._observation is None else self._observation.base
+        return robot if known is None else known.limited(robot)
 
     def add_command(self, command: Twist, time: float) -> None:
         """

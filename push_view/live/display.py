@@ -1,6 +1,6 @@
 """What the page has been shown of a run, and what of it is new."""
 
-from push_base.base_knowledge import BaseKnowledge
+from push_model.base_knowledge import BaseKnowledge
 from push_safety.layer import SafetyLayer
 from push_scenario.simulation.robot_control import TaskControl
 from push_sim_node.simulation import Simulation

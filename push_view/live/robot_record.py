@@ -2,8 +2,8 @@
 
 import math
 
-from push_base.base_knowledge import BaseKnowledge
 from push_control.task.status import StateChange, TaskState
+from push_model.base_knowledge import BaseKnowledge
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectPose, Odometry

@@ -45,7 +45,8 @@ const LEGEND = [
 // What the controller learns of a base: its name in messages, on the page, in which unit and with how many decimals.
 const BASE_VALUES = [
   ['dead_time', 'dead time', 's', 2], ['min_speed', 'least speed', 'm/s', 3],
-  ['min_yaw_rate', 'least yaw rate', 'rad/s', 2], ['pulse', 'pulse', 's', 2]];
+  ['min_yaw_rate', 'least yaw rate', 'rad/s', 2], ['pulse', 'pulse', 's', 2],
+  ['max_acceleration', 'acceleration', 'm/s²', 2], ['max_yaw_acceleration', 'yaw acceleration', 'rad/s²', 1]];
 
 class Panel {
   constructor(onTime) {

@@ -6,9 +6,10 @@ from unittest.mock import patch
 
 import numpy as np
 from push_base import base_identifier
-from push_base.base_identifier import BaseIdentifier, FREE_QUANTUM, MAX_GAP, MOVING_RATIOS, STEP
-from push_base.base_knowledge import BaseKnowledge, PULSE
+from push_base.base_identifier import (
+    ACCELERATION_RATIOS, BaseIdentifier, FREE_QUANTUM, MAX_GAP, MOVING_RATIOS, STEP)
 from push_base.command_shaper import CommandShaper, MAX_QUANTUM, pulse_height
+from push_model.base_knowledge import BaseKnowledge, PULSE
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
 from push_model.signals import Odometry, STOP, Twist
@@ -107,6 +108,57 @@ def test_a_dead_time_that_is_stated_wrong_is_corrected():
     stated = robot_of('differential', dead_time=0.3)
     identifier, _ = learned(robot_of('differential'), stated, commands('differential', 2))
     assert identifier.knowledge.dead_time == 0.0
+
+
+def speeds_up(drive, count=300):
+    """Command jumps of speed and yaw rate, with stops between."""
+    return [Twist(0.25, 0.0, 1.2 if drive == 'differential' else -1.0) if k % 100 < 60 else STOP
+            for k in range(count)]
+
+
+SMOOTHER = DriveImperfections(smoother_acceleration=0.3, smoother_yaw_acceleration=2.0)
+SLOW = {'max_acceleration': 0.3, 'max_yaw_acceleration': 2.0}
+
+
+@pytest.mark.parametrize('drive', DRIVES)
+@pytest.mark.parametrize('dead_time', [0.0, 0.2])
+@pytest.mark.parametrize(('limits', 'faults'), [(SLOW, DriveImperfections()), ({}, SMOOTHER)])
+@pytest.mark.parametrize('noise', [0.0, 0.005])
+def test_accelerations_below_what_is_stated_are_found(drive, dead_time, limits, faults, noise):
+    """Of the base or of a smoother before it, to a fifth; they are no dead time."""
+    identifier, _ = learned(robot_of(drive, dead_time=dead_time, **limits), robot_of(drive),
+                            speeds_up(drive), faults, noise)
+    known = identifier.knowledge
+    assert known.max_acceleration == pytest.approx(0.3, rel=0.2)
+    assert known.max_yaw_acceleration == pytest.approx(2.0, rel=0.2)
+    # A smoother is a lag before that of the drive.
+    assert dead_time - 0.04 <= known.dead_time <= dead_time + 0.14
+
+
+@pytest.mark.parametrize('drive', DRIVES)
+def test_accelerations_come_back_where_a_smoother_is_taken_out(drive):
+    stated = robot_of(drive)
+    slow, _ = learned(dataclasses.replace(stated, **SLOW), stated, speeds_up(drive))
+    assert slow.knowledge.max_acceleration < 0.4
+    base = ImperfectDrive(stated, DriveImperfections(), Pose(0.0, 0.0, 0.0), 1.0)
+    for k, command in enumerate(speeds_up(drive), 300):
+        slow.observe(Odometry(PERIOD * k, base.odometry_pose, base.odometry_twist))
+        slow.add_command(command, PERIOD * k)
+        base.command(command)
+        for _ in range(5):
+            base.step(0.2 * PERIOD, (0.0, 0.0))
+    assert math.isinf(slow.knowledge.max_acceleration)
+    assert math.isinf(slow.knowledge.max_yaw_acceleration)
+
+
+def test_a_robot_is_limited_to_less_than_what_its_base_reaches():
+    """And it is the same robot where nothing is known of that."""
+    robot = robot_of('differential')
+    assert BaseKnowledge(dead_time=0.2).limited(robot) is robot
+    assert BaseKnowledge(max_acceleration=2.0).limited(robot) is robot
+    limited = BaseKnowledge(max_acceleration=0.4).limited(robot)
+    assert 0.3 < limited.max_acceleration < 0.4
+    assert limited == dataclasses.replace(robot, max_acceleration=limited.max_acceleration)
 
 
 @pytest.mark.parametrize('drive', DRIVES)
@@ -210,7 +262,7 @@ def test_a_jump_of_time_is_not_followed_step_by_step():
                           side_effect=base_identifier.track_command) as follow:
             identifier.add_command(STOP, PERIOD * 49 + jump)
         steps.append(follow.call_count)
-    assert steps[0] <= 2 * (MAX_GAP / STEP + 1)
+    assert steps[0] <= len(ACCELERATION_RATIOS) * (MAX_GAP / STEP + 1)
     assert steps[1:] == [0, 0, 0]
 
 

@@ -3,8 +3,8 @@
 import math
 
 import numpy as np
-from push_base.base_knowledge import BaseKnowledge
 from push_base.command_shaper import CommandShaper, MAX_QUANTUM, pulse_height
+from push_model.base_knowledge import BaseKnowledge
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
 from push_model.signals import STOP, Twist

@@ -152,6 +152,36 @@ def test_limits_hold_whatever_the_robot_sees(drive):
 
 
 @either
+def test_limits_that_change_under_way_hold_from_then_on(drive):
+    """It arrives, and the same limits once more change nothing."""
+    robot, goal = ROBOTS[drive], Pose(1.0, 1.0, 2.0)
+    slow = dataclasses.replace(robot, max_acceleration=0.25, max_yaw_acceleration=1.5)
+    path = plan_path(robot, box(), FAR, Pose(0.0, 0.0, 0.0), goal, SETTINGS)
+    for duration in (0.4, 1.5, 3.0):
+        run = DrivenPath(robot, path, patience=0.0)
+        follower, pose = PathFollower(robot, SETTINGS, path), path.poses[0]
+        assert not follower.limit_to(robot)
+        run.commands, run.times, count = [], [], 0
+        sim = Simulation(box(), robot, FAR, pose)
+        while not follower.finished and count < 3000:
+            seen = sim.next_measurement()
+            if not isinstance(seen, Odometry):
+                continue
+            count += 1
+            if sim.time > duration and not run.commands:
+                assert follower.limit_to(slow)
+            command = follower.step(seen.pose, 0.02)
+            if sim.time > duration:
+                run.commands.append(command)
+                run.times.append(0.02 * count)
+            sim.command(command)
+        run.follower, run.end = follower, sim.plant.robot_pose
+        assert run.arrived(goal)
+        assert run.within(SETTINGS.limited_to(slow))
+        assert not follower.limit_to(slow)
+
+
+@either
 def test_remaining_distance_falls_to_nothing(drive):
     """From the length of the path to 0, hardly ever up."""
     robot = ROBOTS[drive]
