@@ -78,7 +78,8 @@ def run_over_dds(scenario: Scenario, control_law: str | None = None, out_dir: st
         nodes.stop_all()
         client.drain()
     if refusal:
-        return RunResult(scenario, law, Outcome.REFUSED, refusal, bag=bag)
+        return RunResult(scenario, law, Outcome.REFUSED, refusal, bag=bag,
+                         codes=monitor.error_codes(PLANNER))
     return collect_result(scenario, law, monitor, tape_path, bag)
 
 

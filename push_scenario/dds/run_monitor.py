@@ -9,11 +9,12 @@ from push_control.task.code_text import codes_of_text
 from push_control.task.status import StateChange, SupervisorStatus, TaskState
 from push_model.events import Codes
 from push_model.geometry import distance, Pose
+from push_model.plan_request import PlanFailure
 from push_model.trajectory import PushTrajectory
 from push_ros.conversions.measurements import from_object_pose_message
 from push_ros.conversions.plan import from_plan_message, plan_failure
 from push_ros.conversions.primitives import NANOSECONDS
-from push_ros.diagnostics import ERROR, HAS_MAP, status_values, value_text
+from push_ros.diagnostics import ERROR, FAILURE, HAS_MAP, status_values, value_text
 from push_ros.topics import CONTROLLER, SIM, TOPICS
 from push_scenario.dds.recorder import stamp_of
 from push_scenario.definition.scenario import Scenario
@@ -50,10 +51,12 @@ class NodeReport:
     What a node has reported so far.
 
     :param error: text of its last error, empty without any.
+    :param codes: of that error, where it is one of planning.
     :param has_map: whether it has a map.
     """
 
     error: str = ''
+    codes: Codes = ()
     has_map: bool = False
 
 
@@ -139,6 +142,14 @@ class RunMonitor:
         """
         return self.nodes[node].error if node in self.nodes else ''
 
+    def error_codes(self, node: str) -> Codes:
+        """
+        Look up the codes of the last error of a node; none without any.
+
+        :param node: its name.
+        """
+        return self.nodes[node].codes if node in self.nodes else ()
+
     def missing(self, names: Iterable[str]) -> list[str]:
         """
         List reports that have not come.
@@ -154,9 +165,9 @@ class RunMonitor:
     def _on_diagnostics(self, message: DiagnosticArray) -> None:
         for status in message.status:
             report = self.nodes.setdefault(status.name, NodeReport())
-            if status.level == ERROR:
-                report.error = status.message
             values = status_values(status)
+            if status.level == ERROR:
+                report.error, report.codes = status.message, _failure_codes(values)
             report.has_map = report.has_map or values.get(HAS_MAP) == value_text(True)
             self._on_status(status, values)
 
@@ -196,6 +207,11 @@ class RunMonitor:
         pose: Pose = from_object_pose_message(message, message.header.frame_id).pose
         self._progress(Progress(self._stage, self.time,
                                 distance(pose, self._scenario.final_goal)))
+
+
+def _failure_codes(values: dict[str, str]) -> Codes:
+    """Read why there is no plan, from the diagnostics of a planner."""
+    return codes_of_text(f'{PlanFailure.__name__}.{values.get(FAILURE, "")}')
 
 
 def _deserialize(topic: str, data: bytes) -> Any:
