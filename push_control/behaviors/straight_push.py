@@ -54,11 +54,11 @@ MISS_HEADING_STD = 0.03
 LOST_STD = 0.05
 # Time between two choices of the arc [s]; chosen: two periods of the object pose.
 STEERING_PERIOD = 0.1
-# Remaining distance above which the arc still changes [m], and from which on the stop is chosen at
-# each step [m]; how far a choice of the arc looks: a part of the remaining distance and a
-# constant, at most the horizon [m]. Chosen.
+# Remaining distance above which the arc still changes [m], and how much before that the stop is
+# chosen at each step [m]; how far a choice of the arc looks: a part of the remaining distance and
+# a constant, at most the horizon [m]. Chosen.
 MIN_STEERED = 0.08
-MAX_STOP_DISTANCE = MIN_STEERED + 0.05
+STOP_CHOICE_DISTANCE = 0.05
 HORIZON_RATIO, HORIZON_MARGIN, HORIZON = 1.3, 0.12, 0.7
 # How far the choice of the stop looks beyond it, which is also the least that it looks [m]; and
 # the time that the base takes to brake besides [s]; chosen.
@@ -299,7 +299,7 @@ class StraightPush(Behavior[TaskPerception]):
         if progress.is_lost:
             # Where the touch is expected tells little: the object itself has to show it.
             course = course._replace(remaining=progress.length)
-        elif course.remaining <= MAX_STOP_DISTANCE or not progress.has_moved:
+        elif course.remaining <= MIN_STEERED + STOP_CHOICE_DISTANCE or not progress.has_moved:
             horizon = max(STOP_MARGIN, course.remaining + STOP_MARGIN)
             choice = self._law.stop(course.curvature, horizon, self._direction)
             course = course._replace(remaining=choice.stopping_distance)

@@ -72,7 +72,7 @@ class Members:
     contact friction.
     """
 
-    def __init__(self, obj: PushedObject, robot: RoundRobot, count: int = MEMBER_COUNT) -> None:
+    def __init__(self, obj: PushedObject, robot: RoundRobot, count: int) -> None:
         """
         Make equal members with the nominal parameters.
 

@@ -23,7 +23,6 @@ from push_model.signals import Odometry
 # and [rad/sqrt(m)]; chosen: contacts that creep by 1 % of the way are within it.
 POSITION_WALK = 0.006
 HEADING_WALK = 0.012
-OBJECT_WALKS: FloatArray = np.array((POSITION_WALK, POSITION_WALK, HEADING_WALK))
 # Standard deviations of the first robot pose relative to the world [m], [rad]; chosen: odometry
 # begins in the frame of the poses.
 START_POSITION_STD = 0.002
@@ -46,6 +45,7 @@ class Prediction:
         noise = state.odometry_noise
         self._odometry_walks: FloatArray = np.array((noise.walk, noise.walk, noise.heading_walk),
                                                     dtype=float)
+        self._object_walks: FloatArray = np.array((POSITION_WALK, POSITION_WALK, HEADING_WALK))
         # Scratch: means of random numbers.
         self._means: FloatArray = np.empty(POSE)
 
@@ -92,7 +92,7 @@ class Prediction:
         state = self._state
         poses = state.members.poses.copy()
         samples = state.rng.standard_normal((len(poses), POSE))
-        disturb_objects(poses, before.copy(), samples, self._means, OBJECT_WALKS)
+        disturb_objects(poses, before.copy(), samples, self._means, self._object_walks)
         state.members.set_poses(poses, OBJECT_COLUMNS)
 
     def _warm_up(self) -> None:
@@ -105,6 +105,6 @@ class Prediction:
         update.apply_to_all(poses[None])
         members.move(zeros, MAX_STEP)
         members.close_gaps()
-        disturb_objects(poses, poses.copy(), zeros, self._means, OBJECT_WALKS)
+        disturb_objects(poses, poses.copy(), zeros, self._means, self._object_walks)
         members.set_poses(poses)
         add_odometry(zeros, self._means, members.parameters, self._odometry_walks, (0.0, 0.0, 0.0))
