@@ -34,7 +34,6 @@ from rclpy.node import Node
 DESCRIPTION = 'What the nodes cost: time to start, CPU, memory, latency from pose to command.'
 MODULES = {SIM: 'push_sim_node.sim_node', PLANNER: 'push_planner.planner_node',
            CONTROLLER: 'push_control.controller_node'}
-PLANNER_SECTION = f'/**/{PLANNER}'
 # Goal of the task in the frame of odometry [m, m, rad], chosen: that of the demo.
 GOAL = Pose(0.6, 0.6, np.pi / 2)
 # Time over which idle nodes are measured, and until nodes count as settled [s]; chosen.
@@ -187,7 +186,6 @@ def measure(folder: Path) -> dict[str, Any]:
     sections = launch_parameters(config_file('push.yaml'))
     sections[SIM_SECTION]['autostart'] = True
     sections.setdefault(CONTROLLER_SECTION, {})['task'] = True
-    sections.setdefault(PLANNER_SECTION, {})['planner.mode'] = 'task'
     parameters = Path(write_parameters(sections, folder))
     with private_domain() as domain, NodeProcesses(domain, folder) as processes, \
             observer(domain) as seen:

@@ -99,10 +99,8 @@ def make_nodes(context: LaunchContext) -> list[Action]:
                                  given['sensors'])
     options = common_options(given)
     common = {**options, 'parameters': [write_parameters(sections, launch_config.log_dir)]}
-    task = switch('task', given['task'])
     poses = object_poses(given)
-    planner = {} if task is None else {'planner.mode': 'task' if task else 'push'}
-    planner.update(switches(given, 'autostart'))
+    planner = switches(given, 'autostart')
     controller = switches(given, 'autostart', 'task', 'wait_for_start', 'enable_stamped_cmd_vel')
     if given['map']:
         controller['map_required'] = True

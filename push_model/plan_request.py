@@ -35,6 +35,17 @@ class GoalTolerances(NamedTuple):
                 and abs(wrap_angle(pose.theta - goal.theta)) <= self.heading)
 
 
+class RequestKind(enum.Enum):
+    """
+    What is requested.
+
+    Messages carry the number in this list, from 0 on: add members at its end.
+    """
+
+    STEERED_PUSH = 'one steered push to the goal, from the newest measurements'
+    TASK_PUSH = 'the next push of a task, from the poses of the request'
+
+
 class PlanRequest(NamedTuple):
     """
     Request for a plan that brings an object at rest to a goal.
@@ -53,6 +64,7 @@ class PlanRequest(NamedTuple):
     :param contact_friction_deviation: standard deviation of its contact friction.
     :param odometry_slope: growth of the deviation of the robot's place per distance [m/m].
     :param odometry_drift: standard deviation of the drift of its heading [rad/m].
+    :param kind: ``RequestKind`` of what is requested.
     """
 
     object_pose: Pose
@@ -67,6 +79,7 @@ class PlanRequest(NamedTuple):
     contact_friction_deviation: float = 0.1
     odometry_slope: float = 0.0
     odometry_drift: float = 0.0
+    kind: RequestKind = RequestKind.TASK_PUSH
 
     @property
     def tolerances(self) -> GoalTolerances:

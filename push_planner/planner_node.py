@@ -40,9 +40,9 @@ class PlannerNode(ManagedNode):
     robot pushes it starts from the present motion, at the site where it pushes. With
     ``planner.site`` at ``best`` the plan of a robot at rest starts at the quickest site of the
     object; the diagnostics say where the robot must stand for it, warn where it does not, and list
-    all sites. With ``planner.mode`` at ``task`` the plan starts from the poses of the request, and
-    keeps clear of the obstacles of the ``map``, if there is one; after a map that is refused
-    there is no plan until another one comes.
+    all sites. The plan of a task's next push starts from the poses of the request, and keeps
+    clear of the obstacles of the ``map``, if there is one; after a map that is refused there is
+    no plan until another one comes.
 
     The answer has the stamp of the request; where there is no plan, or the request is refused, it
     has no points and its only joint name is the code of the reason, which is an error on
@@ -54,7 +54,7 @@ class PlannerNode(ManagedNode):
 
     Subscribers, while active
         ``odom`` (Odometry) and ``object_pose`` (PoseStamped, or PoseWithCovarianceStamped), best
-        effort, with ``planner.mode`` at ``task`` from ``planner/replan`` on; ``map``
+        effort, after the first request of a task from ``planner/replan`` on; ``map``
         (OccupancyGrid, latched); ``push_request`` (JointTrajectory, latched); ``/tf`` and
         ``/tf_static`` (TFMessage) as soon as one of these comes in another frame.
 
@@ -99,7 +99,7 @@ class PlannerNode(ManagedNode):
         return self._planner
 
     def configure(self) -> None:
-        """Compile the planner of tasks, and load what pushes do, where these are planned."""
+        """Start to compile what tasks need, and to load what pushes do."""
         from push_planner.ros.active_planner import ActivePlanner
         self._planner = ActivePlanner(self, self._present_parameters, self._options, self._world,
                                       self._frame)

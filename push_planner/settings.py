@@ -5,7 +5,6 @@ from typing import get_args, Literal
 
 from push_model.quantity import check, quantity
 
-PlanningMode = Literal['push', 'task']
 SiteSelection = Literal['current', 'best']
 MotionModel = Literal['dynamic', 'quasi_static']
 RobotYaw = Literal['with_object', 'fixed']
@@ -17,8 +16,6 @@ AngleLimit = Literal['cone', 'angle', 'none']
 class PlannerSettings:
     """How pushes are planned."""
 
-    mode: PlanningMode = quantity('push: one steered push per goal; task: the next push of a task',
-                                  choices=get_args(PlanningMode), default='push')
     site: SiteSelection = quantity('contact site of a single push: where the robot stands, or '
                                    'the fastest', choices=get_args(SiteSelection),
                                    default='current')

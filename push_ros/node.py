@@ -61,21 +61,21 @@ AnyAnswer = ServiceAnswer | Awaitable[ServiceAnswer]
 
 
 class NewestMessage:
-    """The newest message of a topic, taken when it is asked for: until then it costs nothing."""
+    """
+    The newest message of a topic, taken when it is asked for: until then it costs little.
+
+    ``subscription``: of depth 1, which no executor waits for.
+    """
 
     def __init__(self, subscription: Subscription) -> None:
-        """
-        Start without a message.
-
-        :param subscription: of depth 1, which no executor waits for.
-        """
-        self._subscription = subscription
+        """Start without a message."""
+        self.subscription = subscription
         self._message: Any = None
 
     @property
     def message(self) -> Any:
         """The newest message, or None before the first."""
-        message = take_message(self._subscription)
+        message = take_message(self.subscription)
         if message is not None:
             self._message = message
         return self._message
@@ -306,6 +306,13 @@ class PushNode(PolledNode):
         :return: full names in alphabetical order; one for each publisher.
         """
         return sorted(publisher_name(info) for info in self.get_publishers_info_by_topic(topic))
+
+    def unsubscribe_newest(self, newest: NewestMessage) -> None:
+        """End a subscription that ``subscribe_newest`` made."""
+        self.topic_subscriptions = [
+            (topic, subscription) for topic, subscription in self.topic_subscriptions
+            if subscription is not newest.subscription]
+        self.destroy_subscription(newest.subscription)
 
     def unsubscribe_all(self) -> None:
         """End all subscriptions that ``subscribe`` made."""

@@ -12,7 +12,7 @@ from push_control.steered.status import Phase
 from push_model.events import EventReport, PushEvent
 from push_model.geometry import Pose
 from push_model.observation import Observation
-from push_model.plan_request import GoalTolerances, PlanRequest
+from push_model.plan_request import GoalTolerances, PlanRequest, RequestKind
 from push_model.signals import ObjectEstimate, STOP, Twist
 from push_model.trajectory import PushTrajectory
 from push_safety.status import SafetyReport
@@ -30,7 +30,7 @@ def request_plan(context: BehaviorContext, observation: Observation, goal: Pose,
         return None
     return PlanRequest(observation.object_pose.pose, observation.odometry.pose, goal, context.obj,
                        position_tolerance=tolerances.position,
-                       heading_tolerance=tolerances.heading)
+                       heading_tolerance=tolerances.heading, kind=RequestKind.STEERED_PUSH)
 
 
 def is_measured_since(goal: TaskGoal, perception: RawPerception) -> bool:

@@ -1,8 +1,8 @@
 """
 The planner between configuring and cleaning up: from a request to its plan.
 
-A request is read, waits for measurements or for the primitives of its object, is planned by the
-style of pushes, and answered.
+A request is read, waits for measurements or for the primitives of its object, is planned by its
+kind, and answered.
 """
 
 import contextlib
@@ -10,7 +10,7 @@ from typing import Any, Callable, Mapping, NamedTuple, Sequence, TYPE_CHECKING
 
 from builtin_interfaces.msg import Time
 from push_model.geometry import distance, Pose
-from push_model.plan_request import PlanFailure, PlanRequest
+from push_model.plan_request import PlanFailure, PlanRequest, RequestKind
 from push_model.signals import ObjectPose, Odometry, STOP
 from push_planner.problem import check_solver, PlanningFailed
 from push_planner.ros.parameters import PlannerParameters
@@ -63,7 +63,7 @@ class ActivePlanner:
     def __init__(self, node: ManagedNode, parameters: PlannerParameters, options: PlannerOptions,
                  world: WorldFrame, frame: str) -> None:
         """
-        Compile the planner of tasks, and load what pushes do, where these are planned.
+        Start to compile what tasks need, and to load what pushes do; requests are read meanwhile.
 
         :param frame: its id.
         """
@@ -85,8 +85,8 @@ class ActivePlanner:
 
     def activate(self) -> None:
         """Subscribe, and wait for a request."""
-        if not self._plans_tasks:
-            self._listen()
+        # As long as it may be asked for a single push: what comes in between is not repeated.
+        self._listen()
         # The map first: a request that has come with it is planned with it.
         self._node.subscribe('map', self._world.receiver('map', Handlers(
             self._on_map, self._refuse_map, self._tasks.move_map, is_latched=True)),
@@ -128,10 +128,6 @@ class ActivePlanner:
         timer.cancel()
         return timer
 
-    @property
-    def _plans_tasks(self) -> bool:
-        return self._parameters.planner.mode == 'task'
-
     def _listen(self) -> _MeasurementTopics:
         """Subscribe to measurements, where that is not done; each wakes up a thread."""
         if self._measured is None:
@@ -140,9 +136,18 @@ class ActivePlanner:
                     'object_pose', with_covariance=self._options.object_pose_with_covariance))
         return self._measured
 
+    def _stop_listening(self) -> None:
+        """End subscriptions to measurements, which cost time and tasks do not need."""
+        if self._measured is not None:
+            for newest in self._measured:
+                self._node.unsubscribe_newest(newest)
+            self._measured = None
+
     def _awaited_topics(self) -> Sequence[str]:
         """Name the topics on which something has to come for the request that waits."""
-        return [] if self._pending is None or self._plans_tasks else self._listen().missing
+        if self._pending is None or self._pending[0].kind is RequestKind.TASK_PUSH:
+            return []
+        return self._listen().missing
 
     def _forget(self) -> None:
         # A request that waits for measurements or for the primitives of its object, and its stamp.
@@ -204,6 +209,8 @@ class ActivePlanner:
             self._report(ERROR, str(error), {FAILURE: PlanFailure.INVALID_REQUEST.name})
             return
         self._node.get_logger().debug(f'plans to the goal {request.goal}')
+        if request.kind is RequestKind.TASK_PUSH:
+            self._stop_listening()
         self._last_request = request
         self._pending = request, stamp
         self._plan_when_possible()
@@ -218,12 +225,13 @@ class ActivePlanner:
             self._timer.reset()
             return
         self._pending = None
-        plan = self._plan_task_push if self._plans_tasks else self._plan_push
+        is_task = request.kind is RequestKind.TASK_PUSH
+        plan = self._plan_task_push if is_task else self._plan_push
         self._answer(stamp, lambda: plan(request, stamp))
 
     def _waits(self, request: PlanRequest) -> bool:
         """Report what a request has to wait for, if anything."""
-        if not self._plans_tasks:
+        if request.kind is RequestKind.STEERED_PUSH:
             missing = self._listen().missing
             if missing:
                 self._report(WARN, f'has a goal and waits for {" and ".join(missing)}')
@@ -272,7 +280,7 @@ class ActivePlanner:
 
     def _plan_from_measurements(self, request: PlanRequest, stamp: Time) -> str:
         measured, odometry = self._measurements()
-        if not self._plans_tasks:
+        if request.kind is RequestKind.STEERED_PUSH:
             return self._plan_push(request._replace(
                 object_pose=measured.pose, robot_pose=odometry.pose), stamp)
         return self._plan_task_push(PlanRequest(measured.pose, odometry.pose, request.goal,

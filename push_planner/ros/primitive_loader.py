@@ -1,5 +1,6 @@
 """Loading of what pushes do to an object, which is made first where the object is new."""
 
+from collections.abc import Callable
 import contextlib
 import threading
 
@@ -17,15 +18,32 @@ THREAD_NAME = 'primitives'
 
 class PrimitiveLoader:
     """
-    Loads the primitives of the object of a request on a thread of its own.
+    Prepares the planner, and loads the primitives of the object of a request, on threads.
 
-    Making them takes some hundred calls of compiled functions, between which others can run.
+    One thing is done after the other. Making primitives takes some hundred calls of compiled
+    functions, between which others can run.
     """
 
     def __init__(self) -> None:
         """Start without a request."""
         self._request: PlanRequest | None = None
         self._thread = threading.Thread()
+
+    def prepare(self, action: Callable[[], None]) -> None:
+        """
+        Do what a first request would wait for, behind what is under way.
+
+        :param action: that compiles or loads; where it fails, so will the request, and says so.
+        """
+        previous = self._thread
+
+        def run() -> None:
+            if previous.is_alive():
+                previous.join()
+            with contextlib.suppress(PlanningFailed):
+                action()
+        self._thread = threading.Thread(target=run, name=THREAD_NAME, daemon=True)
+        self._thread.start()
 
     def loads(self, request: PlanRequest, robot: RoundRobot, drive: DriveSettings) -> bool:
         """
@@ -37,14 +55,10 @@ class PrimitiveLoader:
             if self._thread.is_alive():
                 return True
             self._request = request
-            self._thread = threading.Thread(target=_load, args=(request, robot, drive),
-                                            name=THREAD_NAME, daemon=True)
-            self._thread.start()
+            self.prepare(lambda: _load(request, robot, drive))
             self._thread.join(LOADING_TIME)
         return self._thread.is_alive()
 
 
 def _load(request: PlanRequest, robot: RoundRobot, drive: DriveSettings) -> None:
-    # Whoever plans fails again, and says so.
-    with contextlib.suppress(PlanningFailed):
-        primitives_for(checked_request(request, robot), robot, drive)
+    primitives_for(checked_request(request, robot), robot, drive)

@@ -45,7 +45,7 @@ class TaskRequestHandler:
 
     def __init__(self, parameters: PlannerParameters, frame: str) -> None:
         """
-        Start on open floor.
+        Start on open floor, and compile what a request needs meanwhile.
 
         :param frame: id of the world frame.
         """
@@ -58,13 +58,9 @@ class TaskRequestHandler:
         self._loader = PrimitiveLoader()
         self._remaining: RemainingPushes | None = None
         self.set_parameters(parameters)
-        if self._plans_tasks:
-            # Compiles the planner and makes the table of the object where there is none yet.
-            warm_up(parameters.object, parameters.robot, parameters.drive)
-
-    @property
-    def _plans_tasks(self) -> bool:
-        return self._parameters.planner.mode == 'task'
+        # Compiles the planner and makes the table of the object where there is none yet.
+        self._loader.prepare(
+            lambda: warm_up(parameters.object, parameters.robot, parameters.drive))
 
     def set_parameters(self, parameters: PlannerParameters) -> None:
         """Plan with other parameters from the next request on."""
@@ -105,9 +101,10 @@ class TaskRequestHandler:
         update = self._map_reader.take()
         if update is None:
             return None
-        if self._map is None and self._plans_tasks:
+        if self._map is None:
             parameters = self._parameters
-            warm_up_search(parameters.object, parameters.robot, parameters.drive)
+            self._loader.prepare(
+                lambda: warm_up_search(parameters.object, parameters.robot, parameters.drive))
         self._map = update
         # Its cells tell which of those of the object are still shown in later ones.
         self.clearing.clear(update.occupancy_map, update.stamp)
@@ -134,8 +131,7 @@ class TaskRequestHandler:
     def prepares(self, request: PlanRequest) -> bool:
         """Load what pushes do to the object of a request; tell whether that takes a while."""
         parameters = self._parameters
-        return self._plans_tasks and self._loader.loads(
-            request, parameters.robot, parameters.drive)
+        return self._loader.loads(request, parameters.robot, parameters.drive)
 
     def plan(self, request: PlanRequest) -> TaskPlan:
         """

@@ -90,9 +90,12 @@ def checked_request(request: PlanRequest, robot: RoundRobot) -> PlanRequest:
 
     A fine outline and many supports of the object are simplified.
 
-    :raises PlanningFailed: where the robot is not round, or a pose not finite.
+    :raises PlanningFailed: where the robot is not round, or a point, or a pose not finite.
     """
     check_robot_is_round(robot)
+    if robot.radius == 0.0:
+        raise PlanningFailed(PlanFailure.ROBOT_NOT_ROUND,
+                             'robot.radius: got 0 m: a point does not drive around an object')
     request = request._replace(obj=simplified_object(request.obj))
     check_object_stands(request.obj)
     for name in ('object_pose', 'robot_pose', 'goal'):

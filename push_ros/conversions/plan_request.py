@@ -4,7 +4,8 @@ Plan requests to messages and back.
 A request is a ``trajectory_msgs/JointTrajectory`` of one point, whose joint names say what each
 of its positions is: poses of object, robot and goal in the world frame, the parameters of the
 object with friction as identified, the fraction of the friction cone that the plan should use, the
-tolerances, and standard deviations of what was identified. The planner need not know the object.
+tolerances, standard deviations of what was identified, and the kind of plan, as its number in
+``RequestKind``. The planner need know neither the object nor what the controller does with it.
 """
 
 from typing import Any, Sequence
@@ -14,7 +15,7 @@ from push_model.files.flat_values import (
 )
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject
-from push_model.plan_request import MAX_TOLERANCE, MIN_TOLERANCE, PlanRequest
+from push_model.plan_request import MAX_TOLERANCE, MIN_TOLERANCE, PlanRequest, RequestKind
 from push_ros.conversions.joint_names import check_joint_names
 from push_ros.conversions.primitives import check_frame, MessageRefused, to_quaternion, to_yaw
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
@@ -26,6 +27,8 @@ MAX_NUMBER = 1e7
 # Prefix of the parameters of the object; numbers of a list follow, from 0 on: outline.0, ...
 PARAMETERS = 'object.'
 CONE_FRACTION = 'cone_fraction'
+KIND = 'kind'
+KINDS = tuple(RequestKind)
 # Tolerances, and numbers of at least 0, that are fields of the request under the same name.
 TOLERANCES = ('position_tolerance', 'heading_tolerance')
 DEVIATIONS = ('robot_deviation', 'center_deviation', 'contact_friction_deviation',
@@ -36,7 +39,7 @@ NUMBERS = tuple(spec.name for spec in parameter_specs(PushedObject, PARAMETERS)
 LISTS = tuple(spec.name for spec in parameter_specs(PushedObject, PARAMETERS)
               if spec.kind is not float)
 FIELDS = (*(f'{pose}.{part}' for pose in POSES for part in ('x', 'y', 'heading')),
-          CONE_FRACTION, *TOLERANCES, *DEVIATIONS, *NUMBERS)
+          KIND, CONE_FRACTION, *TOLERANCES, *DEVIATIONS, *NUMBERS)
 
 
 def to_request_message(request: PlanRequest, stamp: Any, frame: str) -> JointTrajectory:
@@ -52,6 +55,7 @@ def to_request_message(request: PlanRequest, stamp: Any, frame: str) -> JointTra
         # The heading as a quaternion carries it, like that of every other pose on a topic.
         heading = to_yaw(to_quaternion(pose.theta), 'push_request')
         values.update({f'{name}.x': pose.x, f'{name}.y': pose.y, f'{name}.heading': heading})
+    values[KIND] = KINDS.index(request.kind)
     values.update({name: getattr(request, name)
                    for name in (CONE_FRACTION, *TOLERANCES, *DEVIATIONS)})
     values.update(_object_values(request.obj))
@@ -80,7 +84,8 @@ def from_request_message(message: JointTrajectory, frame: str,
         for pose in POSES)
     return PlanRequest(object_pose, robot_pose, goal, _object(values, topic),
                        values[CONE_FRACTION],
-                       *(values[name] for name in (*TOLERANCES, *DEVIATIONS)))
+                       *(values[name] for name in (*TOLERANCES, *DEVIATIONS)),
+                       kind=KINDS[int(values[KIND])])
 
 
 def _check_ranges(values: dict[str, float], topic: str) -> None:
@@ -90,6 +95,9 @@ def _check_ranges(values: dict[str, float], topic: str) -> None:
         if not abs(value) <= MAX_NUMBER:
             raise MessageRefused(f'{topic}: {name}: got {value:g}, expected a finite number of at '
                                  f'most {MAX_NUMBER:g}')
+    if values[KIND] not in range(len(KINDS)):
+        raise MessageRefused(f'{topic}: {KIND}: got {values[KIND]:g}, expected a whole number '
+                             f'from 0 to {len(KINDS) - 1}')
     fraction = values[CONE_FRACTION]
     if not 0.0 < fraction <= 1.0:
         raise MessageRefused(f'{topic}: {CONE_FRACTION}: got {fraction:g}, expected a number '

@@ -1,6 +1,5 @@
 """Parameter files of the three nodes for a scenario."""
 
-import dataclasses
 from pathlib import Path
 from typing import Any
 
@@ -67,9 +66,8 @@ def _planner_sections(scenario: Scenario) -> list[Section]:
     task, planner = scenario.task, scenario.planner
     if task is None:
         return [*_nominal_sections(scenario), ('planner.', planner)]
-    return [*_nominal_sections(scenario),
-            ('planner.', dataclasses.replace(planner, mode='task')),
-            ('drive.', task.drive), ('map.', task.map_reading)]
+    return [*_nominal_sections(scenario), ('planner.', planner), ('drive.', task.drive),
+            ('map.', task.map_reading)]
 
 
 def _controller_sections(scenario: Scenario, settings: ControlSettings) -> list[Section]:

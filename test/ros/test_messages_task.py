@@ -11,7 +11,7 @@ import numpy as np
 from push_model.friction import with_friction_center
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, Support
-from push_model.plan_request import PlanFailure, PlanRequest
+from push_model.plan_request import PlanFailure, PlanRequest, RequestKind
 from push_navigation.occupancy_map import OccupancyMap
 from push_ros.conversions.map import from_map_message, to_map_message
 from push_ros.conversions.plan import from_plan_message, no_plan_message, plan_failure
@@ -51,10 +51,29 @@ def floor():
     return to_map_message(occupancy_map(), to_stamp(0.0), 'odom')
 
 
+FIELD_COUNT = len(request().joint_names)
+
+
 @pytest.mark.parametrize('time', [0, 999_999_999, 1_763_748_000_123_456_789])
 def test_exact_stamps_keep_every_nanosecond(time):
     """Also at dates of today, where seconds as a number are too coarse."""
     assert nanoseconds(exact_stamp(time)) == time
+
+
+@pytest.mark.parametrize('kind', RequestKind)
+def test_a_request_says_what_is_wanted(kind):
+    """The planner does not know what the controller does."""
+    message = to_request_message(WANTED._replace(kind=kind), to_stamp(2.0), 'odom')
+    assert from_request_message(sent(message), 'odom').kind is kind
+
+
+@pytest.mark.parametrize('number', [-1.0, 0.5, float(len(RequestKind))])
+def test_a_request_of_no_kind_is_refused(number):
+    """It may be of another version."""
+    message = request()
+    set_field(message, 'kind', number)
+    with pytest.raises(MessageRefused, match='push_request: kind: got '):
+        from_request_message(sent(message), 'odom')
 
 
 def test_requests_survive():
@@ -150,7 +169,8 @@ def _no_point(message):
     (_frame, "got frame 'map', expected 'odom'"),
     (_unknown, 'got the unknown fields boldness, expected object.x, '),
     (_twice, 'goal.x: got more than one, expected one'),
-    (_short, 'got 48 positions, expected 49'), (_no_point, 'got 0 points, expected 1'),
+    (_short, f'got {FIELD_COUNT - 1} positions, expected {FIELD_COUNT}'),
+    (_no_point, 'got 0 points, expected 1'),
     (lambda m: set_field(m, 'cone_fraction', 1.5),
      'cone_fraction: got 1.5, expected a number above 0, at most 1'),
     (lambda m: set_field(m, 'cone_fraction', 0.0), 'cone_fraction: got 0, expected'),

@@ -12,7 +12,7 @@ from helpers.node_bench import bench
 from push_model.files.data import config_file
 from push_model.files.flat_values import to_parameter_values
 from push_model.geometry import distance, Pose
-from push_model.plan_request import PlanFailure, PlanRequest
+from push_model.plan_request import PlanFailure, PlanRequest, RequestKind
 from push_model.signals import ObjectPose, Odometry, STOP, Twist
 from push_planner.problem import problem_from_placement
 from push_planner.steered.planner import plan_push
@@ -273,10 +273,10 @@ def goal(pose, frame='odom'):
     return message
 
 
-def request(pose, time=1.0):
+def request(pose, time=1.0, kind=RequestKind.STEERED_PUSH):
     """Make a request for a plan to a goal."""
-    return to_request_message(PlanRequest(OBJECT, ROBOT, pose, SCENARIO.object), to_stamp(time),
-                              'odom')
+    wanted = PlanRequest(OBJECT, ROBOT, pose, SCENARIO.object, kind=kind)
+    return to_request_message(wanted, to_stamp(time), 'odom')
 
 
 def measure(b):
@@ -375,6 +375,18 @@ def test_a_push_is_planned_again_when_asked(planner):
         return planner.received['push_plan'][-1]
     got = planned_under_way(planner, shift, ask)
     assert distance(got.object_poses[-1], wanted) < 2e-3
+
+
+def test_one_planner_answers_requests_of_both_kinds(tmp_path):
+    """Whatever was asked for before, and while it compiles what tasks need."""
+    with bench(tmp_path, PLANNER, MODULES[PLANNER], PHYSICS) as b:
+        b.subscribe('push_plan')
+        kinds = [RequestKind.STEERED_PUSH, RequestKind.TASK_PUSH, RequestKind.STEERED_PUSH]
+        for number, kind in enumerate(kinds, start=1):
+            b.publish('push_request', request(GOAL, float(number), kind))
+            b.repeat_until(lambda: measure(b), lambda: len(b.received['push_plan']) == number)
+            plan = from_plan_message(b.received['push_plan'][-1], 'odom')
+            assert plan.style.is_straight is (kind is RequestKind.TASK_PUSH)
 
 
 def test_the_planner_says_where_the_robot_must_stand(tmp_path):

@@ -30,7 +30,7 @@ def parameters(name, *, task, is_simulated):
     """Parameters of a node as ``simulation_launch.py`` has them."""
     own = {
         SIM: {'publish_clock': is_simulated},
-        PLANNER: {'use_sim_time': is_simulated, 'planner.mode': 'task' if task else 'push'},
+        PLANNER: {'use_sim_time': is_simulated},
         CONTROLLER: {'use_sim_time': is_simulated, 'task': task}}
     return {**SECTIONS[ANY_NODE], **SECTIONS.get(f'{ANY_NODE}/{name}', {}), **own[name]}
 

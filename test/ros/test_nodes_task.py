@@ -440,7 +440,7 @@ def test_what_was_learned_before_is_in_the_request(tmp_path):
 @pytest.fixture(scope='module')
 def planner(tmp_path_factory):
     """Start a planner of tasks."""
-    parameters = {**PHYSICS, 'planner.mode': 'task', 'map.footprint_clearing_enabled': True}
+    parameters = {**PHYSICS, 'map.footprint_clearing_enabled': True}
     with bench(tmp_path_factory.mktemp('chain'), PLANNER, 'push_planner.planner_node',
                parameters) as b:
         for topic in ('push_plan', 'planned_path', 'diagnostics'):

@@ -278,8 +278,6 @@ def test_a_node_that_is_interrupted_ends_well(name):
     """At any time from its start on, while it imports and compiles: status 0, no traceback."""
     command = [sys.executable, '-m', 'push_ros.start', name, '--ros-args', '--params-file',
                str(config_file('push.yaml'))]
-    if name == 'planner':
-        command += ['-p', 'push_planner:planner.mode:=task']
     environment = private_environment()
     started = [(delay, subprocess.Popen(command, stderr=subprocess.PIPE, text=True,
                                         env=environment)) for delay in DELAYS]

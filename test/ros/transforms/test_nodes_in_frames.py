@@ -8,7 +8,7 @@ from helpers.node_bench import bench
 import numpy as np
 from push_model.files.flat_values import to_parameter_values
 from push_model.geometry import Pose
-from push_model.plan_request import PlanFailure, PlanRequest
+from push_model.plan_request import PlanFailure, PlanRequest, RequestKind
 from push_model.rigid_transform import RigidTransform
 from push_model.signals import ObjectPose, Odometry, PoseCovariance, STOP
 from push_navigation.occupancy_map import OccupancyMap
@@ -210,7 +210,8 @@ def test_a_planner_takes_maps_and_object_poses_in_their_frames(tmp_path):
         b.repeat_until(lambda: frames.publish('map', {'odom': upright(Pose(1.0, 0.5, 0.2))}),
                        lambda: 'has a map of 80 times 80 cells' in frames.texts())
         camera = Pose(2.0, -1.0, math.pi / 2)
-        request = PlanRequest(OBJECT, ROBOT, OBJECT @ Pose(1.0, 0.0, 0.0), SCENARIO.object)
+        request = PlanRequest(OBJECT, ROBOT, OBJECT @ Pose(1.0, 0.0, 0.0), SCENARIO.object,
+                              kind=RequestKind.STEERED_PUSH)
         b.publish('push_request', to_request_message(request, to_stamp(frames.now), 'odom'))
 
         def measure():
