@@ -55,7 +55,7 @@ def test_a_wide_gap_stops_the_robot_with_a_reason():
     """Further away than it may approach by itself, it does not move at all."""
     outcome = run(with_gap(random_case(3), 0.12), ControlSettings(start_tolerance=0.2), 3)
     assert outcome.status.phase is Phase.FAILED
-    assert outcome.status.event is PushEvent.GAP_TOO_WIDE and 'mm away' in outcome.status.reason
+    assert outcome.status.event is PushEvent.GAP_TOO_WIDE
     assert outcome.status.travelled_distance < 0.05
 
 
