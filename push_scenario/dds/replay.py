@@ -129,7 +129,7 @@ def _send_map(task: Task, client: ReplayClient, monitor: RunMonitor, frame: str)
     if task.occupancy_map is None:
         return
     client.send_map(task.occupancy_map, frame)
-    # With the first map the planner loads or compiles its search.
+    # Reading a large map takes a while.
     client.wait_for(lambda: [f'{node} to receive the map' for node in (PLANNER, CONTROLLER)
                              if node not in monitor.nodes_with_map()], PLAN_TIMEOUT)
 
