@@ -13,7 +13,7 @@ make_process_private()
 # Files and folders of tests that take long, the longest first: what begins last decides when all
 # processes have ended. The tests of one entry share results, hence a process.
 LONGEST = ('test/studies/', 'test/scenario/test_dds_task.py', 'test/scenario/test_tasks.py',
-           'test/scenario/test_dds_replay.py', 'test/control/push/test_mpc_pushes.py',
+           'test/scenario/test_dds_replay.py', 'test/control/steered/test_mpc_pushes.py',
            'test/control/task/test_supervisor.py', 'test/ros/test_commander.py',
            'test/ros/test_nodes.py')
 # Processes of tests beyond the number of cores. Chosen: about so many wait, for nodes, for time to
