@@ -49,7 +49,13 @@ class TaskEvent(Cause):
         'the noise of the object poses is averaged down to standard errors of {position:.1f} mm '
         'and {heading:.2f} deg, for {limit:g} s at most')
 
+    # A plan cannot be driven with a limited view.
+    PUSH_NEEDS_POSES = (
+        'a steered push needs poses of the object all along, and supervision.view_angle, '
+        'view_nearest or view_farthest limits them')
+
     # It is given up.
+    OBJECT_NOT_FOUND = 'aborted: the object is not found'
     ABORTED = 'aborted: {reason}'
     GOAL_TOO_FAR = 'aborted: the goal is {distance:.0f} m away, at most {limit:g} m is expected'
     GOAL_UNCERTAIN = (

@@ -22,6 +22,7 @@ class PushState(enum.Enum):
     REACHED = 'reached'
     FAILED = 'failed'
     PAUSED = 'paused'
+    LOOKING = 'looking'
 
 
 class GoalOutcome(enum.Enum):
@@ -56,6 +57,8 @@ class TaskFailure(enum.Enum):
     ROBOT_STOPPED = 'robot stopped'
     # The wheels spin, and the object hardly moves.
     TOO_HEAVY = 'too heavy'
+    # The robot has looked for the object all around.
+    OBJECT_NOT_SEEN = 'object not seen'
 
 
 @dataclasses.dataclass(frozen=True)

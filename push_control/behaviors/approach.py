@@ -71,7 +71,7 @@ class StandoffApproach(Behavior[TaskPerception]):
 
     def step(self, perception: TaskPerception, dt: float) -> Twist:
         """Compute the command."""
-        if perception.object_at_rest.duration > 0.0:
+        if perception.object_at_rest.duration > 0.0 and not perception.is_blind:
             self._check_object(perception)
             if self.failure is not None:
                 return STOP

@@ -57,6 +57,8 @@ class NoPushNeeded(enum.Enum):
     REACHED = 'reached'
     # It may be: it has to be seen from another side.
     UNSEEN = 'unseen'
+    # It is not in view: the robot has to look for it.
+    OUT_OF_VIEW = 'out of view'
 
 
 class Abort(NamedTuple):
@@ -85,7 +87,7 @@ class Behavior(abc.ABC, Generic[Perception]):
     pursues another one, or None.
     """
 
-    measurement_need: ClassVar[MeasurementNeed] = MeasurementNeed.ODOMETRY_AND_OBJECT
+    measurement_need: MeasurementNeed = MeasurementNeed.ODOMETRY_AND_OBJECT
     handles_stops: ClassVar[bool] = False
     needs_plan: ClassVar[bool] = False
     ends_at_goal: ClassVar[bool] = True

@@ -40,10 +40,23 @@ class Inspection(PathBehavior[TaskPerception]):
 def viewing_pose(context: BehaviorContext, robot_pose: Pose, object_pose: Pose) -> Pose:
     """Choose where to see an object from another side; the robot faces along its path round it."""
     bearing = VIEW_ANGLE + math.atan2(robot_pose.y - object_pose.y, robot_pose.x - object_pose.x)
-    offset = context.robot.radius
     facing = Pose(object_pose.x, object_pose.y, bearing)
+    offset = distance_at_gap(context, object_pose, facing, VIEW_GAP)
+    return facing @ Pose(offset, 0.0, 0.5 * math.pi)
+
+
+def distance_at_gap(context: BehaviorContext, object_pose: Pose, facing: Pose,
+                    gap: float) -> float:
+    """
+    Find how far from an object its gap to the robot is as wide as asked for.
+
+    :param facing: ``Pose`` at the origin of the object, which faces the place [m, rad].
+    :param gap: between robot and object [m].
+    :return: distance of the robot's centre from that origin [m].
+    """
+    offset = context.robot.radius
     for _ in range(STEPS):
         place = facing.transform((offset, 0.0))
-        gap = find_contact(context.obj, object_pose, place, context.robot.radius).gap
-        offset += max(0.0, VIEW_GAP - gap)
-    return facing @ Pose(offset, 0.0, 0.5 * math.pi)
+        offset += max(0.0, gap - find_contact(context.obj, object_pose, place,
+                                              context.robot.radius).gap)
+    return offset

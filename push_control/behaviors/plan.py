@@ -3,13 +3,14 @@
 from typing import Callable
 
 from push_control.behaviors.behavior import (
-    Abort, Behavior, BehaviorContext, NoPushNeeded,
+    Abort, Behavior, BehaviorContext, MeasurementNeed, NoPushNeeded,
 )
 from push_control.behaviors.progress import GoalCheck, ProgressMonitor
 from push_control.events import PerceptionEvent, TaskEvent
 from push_control.goal import TaskFailure, TaskGoal
 from push_control.perception.object_at_rest import ObjectAtRest
 from push_control.perception.perception import TaskPerception
+from push_control.perception.view import UNSEEN_TIME, View
 from push_model.events import AnyReport
 from push_model.geometry import distance, Pose
 from push_model.plan_request import PlanRequest
@@ -53,6 +54,11 @@ class PlanBehavior(Behavior[TaskPerception]):
         self._remaining_time = remaining_time
         self._averaging: AnyReport | None = None
         self._motion: AnyReport | None = None
+        # Since when it stands here [s].
+        self._started_at: float | None = None
+        if View.from_settings(context.supervision).is_limited:
+            # Without a pose it looks for the object.
+            self.measurement_need = MeasurementNeed.ODOMETRY
         progress.rest_clock.end_wait()
 
     @property
@@ -74,6 +80,9 @@ class PlanBehavior(Behavior[TaskPerception]):
 
     def step(self, perception: TaskPerception, dt: float) -> Twist:
         """Stand; measure and decide."""
+        if perception.has_limited_view and not perception.has_fresh_pose:
+            self._await_pose(perception)
+            return STOP
         if not self._has_measured_rest(perception):
             self._await_rest(perception)
             return STOP
@@ -87,6 +96,14 @@ class PlanBehavior(Behavior[TaskPerception]):
         return (perception.has_pose_after(self._since) and perception.has_object_at_rest
                 and perception.object_at_rest.duration
                 >= self._progress.settings.min_averaging_time)
+
+    def _await_pose(self, perception: TaskPerception) -> None:
+        """Wait for a pose, unless the object is out of view."""
+        if self._started_at is None:
+            self._started_at = perception.time
+        unseen_time = min(perception.pose_age, perception.time - self._started_at)
+        if self.plan_request is None and unseen_time >= UNSEEN_TIME:
+            self._finish(NoPushNeeded.OUT_OF_VIEW)
 
     def _await_rest(self, perception: TaskPerception) -> None:
         """Report why the object does not come to rest, and give up after a while."""

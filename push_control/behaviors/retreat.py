@@ -42,7 +42,9 @@ class Retreat(PathBehavior[RawPerception]):
 
         :return: ``Path``, or None where drive or map allow none that leads away.
         """
-        return retreat_path(self.context, perception.robot_pose, perception.object_pose.pose,
+        if not perception.has_pose_after(-math.inf):
+            return None
+        return retreat_path(self.context, perception.robot_pose, perception.expected_object_pose,
                             self._distance, perception.position_deviation)
 
 

@@ -180,7 +180,8 @@ class StraightPush(Behavior[TaskPerception]):
         progress = self._progress = self._measured(perception, dt)
         if progress.stage is Stage.STOPPING:
             return self._finish_stop(perception)
-        if progress.has_moved and perception.is_lost and perception.on_lost_robot_touched():
+        if (progress.has_moved and not progress.is_blind and perception.is_lost
+                and perception.on_lost_robot_touched()):
             # The push was planned for a robot that is elsewhere.
             self.failure = BehaviorFailure.LOST_ROBOT_TOUCHES.report()
             return STOP
@@ -240,15 +241,20 @@ class StraightPush(Behavior[TaskPerception]):
         before = perception.object_at_rest if is_first else progress.before
         x, y, _ = before.pose
         has_moved = progress.has_moved or self._is_seen_to_move(measured, before.pose)
+        is_blind = perception.is_blind
+        object_x_std, object_y_std, object_heading_std = self._ensemble.object_deviations.tolist()
         moved_distance = distance(measured.pose, before.pose)
         return dataclasses.replace(
             progress, before=before, moved=(measured.pose.x - x, measured.pose.y - y),
             has_moved=has_moved, deviation=deviation,
             unseen_distance=progress.speed * max(0.0, perception.time - measured.time),
-            is_lost=not has_moved and (perception.is_lost or deviation > LOST_STD),
+            is_lost=(not has_moved and not is_blind
+                     and (perception.is_lost or deviation > LOST_STD)),
             has_touched_early=(
                 progress.stage is Stage.RUN_IN and moved_distance > UNEXPECTED_DISTANCE
-                and not perception.was_displaced))
+                and not (is_blind or perception.was_displaced)),
+            is_blind=is_blind, was_blind=progress.was_blind or is_blind,
+            object_std=max(object_x_std, object_y_std), object_heading_std=object_heading_std)
 
     def _is_seen_to_move(self, measured: ObjectPose, before: Pose) -> bool:
         """Whether the object has moved by more than the noise of a pose."""
@@ -278,6 +284,8 @@ class StraightPush(Behavior[TaskPerception]):
                    pose.y + self._robot.radius * math.sin(direction))
         noise = self._control.believed_covariance(measured)
         watch.add_distance(perception.time, progress.pushed)
+        if progress.was_blind:
+            return watch
         watch.add_object_pose(measured, contact, direction, noise.position_deviation)
         return watch
 
@@ -353,10 +361,13 @@ class StraightPush(Behavior[TaskPerception]):
         timeout = MAX_STOPPING_TIME + perception.base.dead_time
         self.finished = (progress.speed < REST_SPEED and not progress.is_pending
                          or progress.stopping_time >= timeout)
-        if self.finished and progress.has_moved:
+        if not self.finished or progress.was_blind:
+            # What was not seen tells nothing.
+            return STOP
+        if progress.has_moved:
             perception.on_push_succeeded(progress.contact)
         is_tap = progress.contact is Touch.TAPPED or not progress.has_moved
-        if self.finished and is_tap:
+        if is_tap:
             perception.on_tapped(self._tap(progress, perception.robot_pose))
         return STOP
 

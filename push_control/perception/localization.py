@@ -7,6 +7,7 @@ from push_control.perception.ensemble.contact_hypotheses import ContactHypothese
 from push_control.perception.ensemble.ensemble_state import OdometryNoise
 from push_control.perception.ensemble.push_ensemble import PushEnsemble
 from push_control.perception.odometry_shift import OdometryShift
+from push_control.perception.view import View
 from push_control.settings import ControlSettings
 from push_control.supervision_settings import SupervisionSettings
 from push_model.contact import find_contact, FoundContact
@@ -32,7 +33,9 @@ class Localization(ContactHypotheses):
         :param control: ``ControlSettings``, for the noise of object poses.
         :param supervision: ``SupervisionSettings``, for the noise of odometry.
         """
-        super().__init__(PushEnsemble(obj, robot, control, _odometry_noise(supervision)))
+        super().__init__(PushEnsemble(
+            obj, robot, control, _odometry_noise(supervision),
+            has_limited_view=View.from_settings(supervision).is_limited))
         self._control = control
         self._supervision = supervision
         # The newest odometry that has come here, and whether the pose of the next one has jumped.

@@ -15,9 +15,10 @@ from push_control.perception.measurement_faults import is_finite_odometry
 from push_control.perception.object_at_rest import ObjectAtRest, StationarityWindow, Tap
 from push_control.perception.object_knowledge import ObjectKnowledge
 from push_control.perception.raw_perception import RawPerception
+from push_control.perception.view import View
 from push_control.settings import ControlSettings
 from push_control.supervision_settings import SupervisionSettings
-from push_model.events import Report
+from push_model.events import EventReport, Report
 from push_model.geometry import Pose
 from push_model.observation import Observation
 from push_model.parameters import PushedObject, RoundRobot
@@ -27,6 +28,12 @@ from push_navigation.map_clearance import PositionUncertainty
 # Errors of the object at rest over the standard deviations of an ensemble that estimates a bias,
 # which is too sure; measured: 1.1 to 1.3 in the root mean square.
 DEVIATION_FACTOR = 1.3
+# Time for which poses may be missing where they are expected again [s]; chosen: the estimate is
+# off by a little, and at the edge of a view poses come and go.
+RETURN_TIME = 0.75
+# Age of a pose, and time for which poses show an object at rest, that is seen [s]; chosen: three
+# periods of a slow camera with its latency, and two poses of it.
+PRESENT_TIME, SEEN_TIME = 0.35, 0.08
 
 
 class TaskPerception(RawPerception):
@@ -34,7 +41,7 @@ class TaskPerception(RawPerception):
     Estimates where robot and object are.
 
     ``localization``: the ``Localization`` of both. ``base``: the ``BaseModel``, which gets every
-    command.
+    command. ``view``: the ``View``, from where the object is seen.
     """
 
     def __init__(self, obj: PushedObject, robot: RoundRobot, control: ControlSettings,
@@ -48,6 +55,9 @@ class TaskPerception(RawPerception):
         self._time_constant = robot.time_constant
         self.base = BaseModel(robot)
         self._since = since
+        self.view = View.from_settings(supervision)
+        # When poses were last not to be expected [s].
+        self._unexpected_at = -math.inf
         self.localization = Localization(obj, robot, control, supervision)
         self._monitor = LostRobotMonitor(obj, robot, self.localization,
                                          supervision.odometry_reference == 'drifting')
@@ -77,6 +87,8 @@ class TaskPerception(RawPerception):
             odometry = self.localization.corrected(odometry)
         self._observation = Observation(observation.time, odometry, measured,
                                         observation.pose_rejection, observation.base)
+        if self.has_limited_view and not self.expects_pose:
+            self._unexpected_at = self.time
 
     def _present_pose(self, observation: Observation) -> ObjectPose | None:
         """Return the object pose, unless it is of where the object was before."""
@@ -90,9 +102,15 @@ class TaskPerception(RawPerception):
         if is_first:
             self._observe(RobotLocalized())
         elif step is not None:
-            seen = None if self._accepted is None else self._accepted.pose
-            self._observe(RobotMoved(step, seen))
+            self._observe(RobotMoved(step, self._last_object_pose))
         self.localization.correct_by(odometry)
+
+    @property
+    def _last_object_pose(self) -> Pose | None:
+        """Where the object was seen last; while nothing is seen, where it is expected."""
+        if self._accepted is None:
+            return None
+        return self.localization.object_pose if self.is_blind else self._accepted.pose
 
     def _take_object_pose(self, measured: ObjectPose) -> ObjectPose:
         """Correct the estimate by an object pose; return the newest one that it includes."""
@@ -124,6 +142,64 @@ class TaskPerception(RawPerception):
         """The newest ``Observation``, with the robot as localized since."""
         odometry = self.observation.odometry._replace(pose=self.localization.pose)
         return self.observation._replace(odometry=odometry)
+
+    # What is seen.
+
+    @property
+    def has_limited_view(self) -> bool:
+        """Whether there are places from which the object is not seen."""
+        return self.view.is_limited
+
+    @property
+    def expects_pose(self) -> bool:
+        """Whether the robot is estimated to be where poses of the object have to come."""
+        localization = self.localization
+        if not (localization.is_initialized and localization.has_object):
+            return False
+        robot, obj = localization.pose, localization.object_pose
+        return self.view.expects(robot, obj, localization.members.gap(obj, robot),
+                                 localization.position_deviation,
+                                 float(localization.standard_deviations[2]))
+
+    @property
+    def is_blind(self) -> bool:
+        """Whether no object poses come, as was to be expected lately."""
+        timeout = self._control.pose_timeout
+        return (self.has_limited_view and timeout < self.pose_age < math.inf
+                and self.time - self._unexpected_at <= timeout + RETURN_TIME)
+
+    @property
+    def has_fresh_pose(self) -> bool:
+        """Whether poses of the object come."""
+        return self.pose_age <= max(PRESENT_TIME, self._control.pose_timeout)
+
+    @property
+    def sees_object_at_rest(self) -> bool:
+        """Whether poses come that show the object at rest."""
+        average = self._window.object_at_rest
+        return average is not None and self.has_fresh_pose and average.duration >= SEEN_TIME
+
+    def measurement_fault(self, needs_object: bool) -> EventReport | None:
+        """Tell why the measurements cannot be used; a robot that is blind needs no pose."""
+        return super().measurement_fault(needs_object and not self.is_blind)
+
+    @property
+    def object_pose(self) -> ObjectPose:
+        """
+        The newest measured ``ObjectPose``; where the object is expected now while blind.
+
+        :raises RuntimeError: before the first one.
+        """
+        if self.is_blind:
+            return ObjectPose(self.time, self.localization.object_pose)
+        return super().object_pose
+
+    @property
+    def expected_object_pose(self) -> Pose:
+        """``Pose`` that the object should have by now, be it seen or not."""
+        if self.has_limited_view:
+            return self.localization.object_pose
+        return self.object_pose.pose
 
     # The robot.
 
@@ -267,7 +343,7 @@ class TaskPerception(RawPerception):
     @property
     def repeats_pose(self) -> bool:
         """Whether the last object poses are one, to the last digit."""
-        return self._window.repeats_pose
+        return self._window.repeats_pose and not self.is_blind
 
     # Is the robot where it is localized?
 

@@ -1,5 +1,7 @@
 """Measurements as they come: where robot and object are, without an estimate."""
 
+import math
+
 from push_control.events import PerceptionEvent
 from push_control.perception.measurement_faults import measurement_fault
 from push_control.perception.object_knowledge import ObjectKnowledge
@@ -49,7 +51,7 @@ class RawPerception:
         """
         observation = self.observation
         pose_time = self._pose_time if needs_object else observation.time
-        return measurement_fault(observation, pose_time, self._control)
+        return measurement_fault(observation, pose_time, self._control, needs_object=needs_object)
 
     @property
     def time(self) -> float:
@@ -89,6 +91,28 @@ class RawPerception:
         """
         measured = None if self._observation is None else self._observation.object_pose
         return measured is not None and (self._is_held or measured.time > time)
+
+    @property
+    def pose_age(self) -> float:
+        """Time since the newest object pose [s]; infinite before the first."""
+        return math.inf if self._pose_time is None else self.time - self._pose_time
+
+    # What a limited view adds.
+
+    @property
+    def has_limited_view(self) -> bool:
+        """Whether there are places from which the object is not seen."""
+        return False
+
+    @property
+    def is_blind(self) -> bool:
+        """Whether no object poses come, as was to be expected."""
+        return False
+
+    @property
+    def expected_object_pose(self) -> Pose:
+        """``Pose`` that the object should have by now, be it seen or not."""
+        return self.object_pose.pose
 
     # What an estimate adds.
 

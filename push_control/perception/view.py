@@ -10,6 +10,8 @@ from push_model.geometry import distance, Pose, wrap_angle
 # or not; chosen: a camera sees less of an object at the edge of its picture.
 GAP_MARGIN = 0.03
 ANGLE_MARGIN = 0.1
+# Time without a pose after which an object is out of view [s]; chosen: some periods of a camera.
+UNSEEN_TIME = 0.6
 # Standard deviations of the robot relative to the object that are added to these margins.
 MARGIN_SIGMAS = 2.0
 

@@ -11,7 +11,7 @@ STATES = {TaskState.IDLE: PushState.IDLE, TaskState.PLAN: PushState.PLANNING,
           TaskState.APPROACH: PushState.APPROACHING, TaskState.ALIGN: PushState.ALIGNING,
           TaskState.PUSH: PushState.PUSHING, TaskState.RETREAT: PushState.RETREATING,
           TaskState.DONE: PushState.REACHED, TaskState.FAILED: PushState.FAILED,
-          TaskState.PAUSED: PushState.PAUSED}
+          TaskState.PAUSED: PushState.PAUSED, TaskState.LOOK: PushState.LOOKING}
 
 
 def task_progress(status: SupervisorStatus, cause: AnyReport | None, *,

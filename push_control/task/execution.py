@@ -18,6 +18,7 @@ from push_control.events import TaskEvent
 from push_control.goal import TaskFailure, TaskGoal
 from push_control.perception.object_knowledge import ObjectKnowledge
 from push_control.perception.raw_perception import RawPerception
+from push_control.perception.view import UNSEEN_TIME
 from push_control.settings import ControlSettings
 from push_control.steered.status import ControllerStatus
 from push_control.supervision_settings import aimed_tolerances, SupervisionSettings
@@ -215,7 +216,16 @@ class TaskExecution:
         self._behavior.pause()
         if reason.failure is not None:
             self._abort(reason.failure, TaskEvent.ABORTED.report(reason=reason.report))
+        elif self._must_look(reason):
+            self._recover(reason.report)
         return STOP
+
+    def _must_look(self, reason: StandReason) -> bool:
+        """Tell whether the robot has to look for an object that should be in its view."""
+        perception = self._perception
+        return (perception.has_limited_view and reason.cause is StandCause.MEASUREMENTS
+                and reason.duration > UNSEEN_TIME
+                and perception.measurement_fault(needs_object=False) is None)
 
     def _act(self, dt: float) -> Twist:
         """Let the behaviour act, and leave it once it has ended."""
@@ -242,6 +252,8 @@ class TaskExecution:
             self._abort(*result)
         elif result is NoPushNeeded.REACHED:
             self._enter(TaskState.DONE)
+        elif result is NoPushNeeded.OUT_OF_VIEW:
+            self._enter(TaskState.LOOK)
         elif result is NoPushNeeded.UNSEEN:
             self._enter(TaskState.RETREAT, TaskEvent.OBJECT_UNSEEN.report())
             self._behavior = self._behaviors.inspection(self._perception)
@@ -256,6 +268,8 @@ class TaskExecution:
         if next_state is TaskState.ALIGN and self._is_straight:
             # Such a push finds the contact by itself, without a stop before it.
             return TaskState.PUSH
+        if self.state is TaskState.RETREAT and self._perception.has_limited_view:
+            return TaskState.LOOK
         return next_state
 
     def _plans_next_goal(self) -> bool:
@@ -299,12 +313,14 @@ class TaskExecution:
                is_requested: bool = False, failure: TaskFailure | None = None) -> None:
         """Change the state, and start its behaviour."""
         perception = self._perception
-        if state is TaskState.PLAN and self._goal is None:
+        if state in (TaskState.PLAN, TaskState.LOOK) and self._goal is None:
             # After the retreat of a task that was cancelled.
             state = TaskState.IDLE
         self._last_push = self._push_status
         if self.state is TaskState.PUSH:
             self._progress.count_push(perception.repeats_pose)
+        elif self.state is TaskState.PLAN and state is TaskState.LOOK:
+            perception.restart_averaging(perception.time)
         self._behavior = self._behaviors.create(
             state, self._plan, self._goal, perception, self._progress)
         if state is TaskState.RETREAT:

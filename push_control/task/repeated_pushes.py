@@ -7,6 +7,7 @@ from push_control.behaviors.approach import MovingApproach, StandoffApproach
 from push_control.behaviors.behavior import Behavior, BehaviorContext, Stand
 from push_control.behaviors.guarded_approach import GuardedApproach
 from push_control.behaviors.inspection import Inspection
+from push_control.behaviors.look import Look, LookMargin, RetreatIntoView
 from push_control.behaviors.plan import PlanBehavior
 from push_control.behaviors.progress import ProgressMonitor
 from push_control.behaviors.retreat import Retreat
@@ -15,7 +16,6 @@ from push_control.behaviors.steered_push import SteeredPush
 from push_control.behaviors.straight_push import StraightPush
 from push_control.goal import TaskGoal
 from push_control.perception.perception import TaskPerception
-from push_control.perception.raw_perception import RawPerception
 from push_control.settings import ControlSettings
 from push_control.steered.start import contact_start_point
 from push_control.supervision_settings import aimed_tolerances, SupervisionSettings
@@ -71,6 +71,7 @@ class RepeatedPushBehaviors(BehaviorFactory):
         # Perception keeps what it is made with.
         self._perception_settings = control, supervision
         self._prepared: PushPrimitives | None = None
+        self._look_margin = LookMargin()
 
     def set_settings(self, control: ControlSettings, drive: DriveSettings,
                      supervision: SupervisionSettings) -> None:
@@ -89,7 +90,9 @@ class RepeatedPushBehaviors(BehaviorFactory):
             return PlanBehavior(context._replace(obj=self._obj), progress, goal,
                                 self._remaining_time)
         if state is TaskState.RETREAT:
-            return self._retreat(context, target)
+            return self._retreat(context, target, perception)
+        if state is TaskState.LOOK:
+            return Look(context, self._look_margin)
         if state is TaskState.APPROACH and target is not None:
             return self._approach(context, target, perception)
         if state is TaskState.ALIGN and target is not None:
@@ -110,8 +113,11 @@ class RepeatedPushBehaviors(BehaviorFactory):
         """Make the behaviour that sees the object from another side."""
         return Inspection(self._context(perception.localization.obj))
 
-    def _retreat(self, context: BehaviorContext,
-                 target: PushTrajectory | None) -> Behavior[RawPerception]:
+    def _retreat(self, context: BehaviorContext, target: PushTrajectory | None,
+                 perception: TaskPerception) -> Behavior[TaskPerception]:
+        if perception.has_limited_view:
+            return RetreatIntoView(context, min(self._drive.retreat_distance, SHORT_RETREAT),
+                                   self._drive.speed)
         if target is not None and target.style.is_straight:
             return Retreat(context, min(self._drive.retreat_distance, SHORT_RETREAT),
                            self._drive.speed)

@@ -8,14 +8,19 @@ from push_control.behaviors.retreat import Retreat
 from push_control.behaviors.single_push import PromptPlan, SinglePush
 from push_control.goal import TaskGoal
 from push_control.perception.raw_perception import RawPerception
+from push_control.perception.view import View
+from push_control.settings import ControlSettings
 from push_control.steered.rehearsal import rehearsal_plan
+from push_control.supervision_settings import SupervisionSettings
 from push_control.task.behavior_factory import BehaviorFactory
 from push_control.task.state_machine import SINGLE_PUSH_TABLE
 from push_control.task.status import TaskState
 from push_model.geometry import Pose
 from push_model.observation import Observation
+from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectPose, Odometry, STOP
 from push_model.trajectory import PushTrajectory
+from push_navigation.settings import DriveSettings
 
 
 class SinglePushBehaviors(BehaviorFactory):
@@ -23,6 +28,19 @@ class SinglePushBehaviors(BehaviorFactory):
 
     table = SINGLE_PUSH_TABLE
     keeps_plan = True
+
+    def __init__(self, obj: PushedObject, robot: RoundRobot, control: ControlSettings,
+                 drive: DriveSettings, supervision: SupervisionSettings) -> None:
+        """
+        Start on open floor.
+
+        :raises ValueError: where the object is not seen from everywhere.
+        """
+        if View.from_settings(supervision).is_limited:
+            raise ValueError(
+                'supervision.view_angle, view_nearest, view_farthest: got a limited view, '
+                'expected none: a single push needs poses all along, a task does not')
+        super().__init__(obj, robot, control, drive, supervision)
 
     def new_perception(self, since: float) -> RawPerception:
         """

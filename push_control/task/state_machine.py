@@ -5,7 +5,12 @@ Repeated pushes, when all goes well:
 
     PLAN -> APPROACH -> ALIGN -> PUSH -> RETREAT -> PLAN -> ... -> DONE
 
-A straight push finds the contact by itself: it skips ALIGN. A single push starts where the robot
+A straight push finds the contact by itself: it skips ALIGN. A robot that does not see the object
+from everywhere looks at it after each push, and whenever it is not in view:
+
+    ... -> RETREAT -> LOOK -> PLAN -> ...        PLAN -> LOOK -> PLAN
+
+A single push starts where the robot
 stands, and nothing follows it:
 
     PLAN -> PUSH -> DONE
@@ -75,10 +80,13 @@ REPEATED_PUSHES_TABLE = TransitionTable(
         TaskState.PUSH: Transitions(TaskState.RETREAT, TaskState.RETREAT, TaskState.RETREAT,
                                     TaskState.RETREAT),
         TaskState.RETREAT: Transitions(TaskState.PLAN, TaskState.PLAN, TaskState.RETREAT,
-                                       TaskState.RETREAT)},
+                                       TaskState.RETREAT),
+        TaskState.LOOK: Transitions(TaskState.PLAN, TaskState.PLAN, TaskState.PLAN,
+                                    TaskState.IDLE)},
     exceptions={
-        TaskState.PLAN: frozenset({TaskState.DONE, TaskState.RETREAT}),
+        TaskState.PLAN: frozenset({TaskState.DONE, TaskState.RETREAT, TaskState.LOOK}),
         TaskState.APPROACH: frozenset({TaskState.PUSH}),
+        TaskState.RETREAT: frozenset({TaskState.LOOK}),
         TaskState.PAUSED: frozenset({TaskState.RETREAT})},
     interruptions=frozenset({TaskState.IDLE, TaskState.PAUSED, TaskState.FAILED, TaskState.PLAN}),
     resumptions=frozenset({TaskState.IDLE, TaskState.PLAN}),

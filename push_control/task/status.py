@@ -19,6 +19,7 @@ class TaskState(enum.Enum):
     ALIGN = 'align'
     PUSH = 'push'
     RETREAT = 'retreat'
+    LOOK = 'look'
     DONE = 'done'
     FAILED = 'failed'
     PAUSED = 'paused'

@@ -147,6 +147,10 @@ class Supervisor(TaskExecution):
         """Set the plan that was requested, wherever the robot stands; ignore any other."""
         if self.plan_request is None:
             return
+        if self._perception.has_limited_view and not trajectory.style.is_straight:
+            self.on_planning_failed(PlanFailure.NO_FEASIBLE_SITE,
+                                    TaskEvent.PUSH_NEEDS_POSES.report())
+            return
         requested = self.plan_request.object_pose
         start = Pose(*trajectory.object_poses[0].tolist())
         if self.awaits_plan and has_moved(requested, start, self._progress.settings):

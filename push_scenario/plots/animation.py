@@ -31,7 +31,8 @@ TITLE_LENGTH = 48
 ACTIVITIES = {
     TaskState.PLAN: 'localizes and plans', TaskState.APPROACH: 'drives to the object',
     TaskState.ALIGN: 'probes for contact', TaskState.PUSH: 'pushes',
-    TaskState.RETREAT: 'backs off', TaskState.DONE: 'done', TaskState.FAILED: 'aborted',
+    TaskState.RETREAT: 'backs off', TaskState.LOOK: 'looks for the object',
+    TaskState.DONE: 'done', TaskState.FAILED: 'aborted',
     TaskState.IDLE: 'idle', TaskState.PAUSED: 'paused'}
 
 

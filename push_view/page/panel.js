@@ -3,7 +3,7 @@
 
 const STATES = {
   idle: 'idle', plan: 'plans', approach: 'drives to the object', align: 'probes for contact', push: 'pushes',
-  retreat: 'backs off', done: 'done', missed: 'missed the goal', failed: 'failed', paused: 'paused',
+  retreat: 'backs off', look: 'looks for the object', done: 'done', missed: 'missed the goal', failed: 'failed', paused: 'paused',
   stopped: 'stopped' };
 // The panel is renewed this often while time runs [ms].
 const PANEL_PERIOD = 100;

@@ -58,7 +58,7 @@ class ContactHypotheses(EnsembleReading):
         time_since_contact = self._ensemble.time_since_contact
         if time_since_contact == 0.0:
             self._fork()
-        elif time_since_contact > COUPLING_TIME:
+        elif time_since_contact > COUPLING_TIME and not self._ensemble.has_unseen_contact:
             self._decide_after_contact()
 
     def update(self, measured: ObjectPose) -> bool:

@@ -62,7 +62,8 @@ class EnsembleState:
     ``PoseBias`` of object poses. ``odometry``: the newest one, or None. ``pose_time``: of the
     newest object pose [s], or None. ``last_contact``: time of the last contact [s]. ``outliers``:
     number of object poses in a row that nothing explains. ``log_likelihood``: logarithm of the
-    likelihood of all object poses, up to a constant.
+    likelihood of all object poses, up to a constant. ``coupled_until``: time up to which object
+    poses tell of a contact that nobody has seen [s].
     """
 
     def __init__(self, members: Members, bias: PoseBias, odometry_noise: OdometryNoise,
@@ -83,6 +84,7 @@ class EnsembleState:
         self.last_contact = -math.inf
         self.outliers = 0
         self.log_likelihood = 0.0
+        self.coupled_until = -math.inf
         self._draw_parameters()
 
     def _draw_parameters(self) -> None:
@@ -150,3 +152,4 @@ class EnsembleState:
         self.members.assign(other.members)
         self.history, self.bias = other.history, other.bias
         self.outliers, self.last_contact = other.outliers, other.last_contact
+        self.coupled_until = other.coupled_until

@@ -10,7 +10,8 @@ mean by the gain K times the innovation, and the anomalies by half as much:
 That is exact for measurements that tell little each; a single one that tells much leaves up to
 half of the standard deviation, so that no update makes the ensemble too sure.
 
-An object that nobody touches tells nothing of the robot: then only the object is updated. A pose
+An object that nobody touches tells nothing of the robot: then only the object is updated. Poses
+that come late after a contact which nobody has seen tell of it, as those during one do. A pose
 that nothing explains is an outlier; several in a row are an object that somebody has moved.
 """
 
@@ -47,15 +48,29 @@ _MOTION = list(range(3, 9)) + list(range(15, 18))
 class MeasurementUpdate:
     """Corrects the members of an ensemble by measurements."""
 
-    def __init__(self, state: EnsembleState, settings: ControlSettings) -> None:
+    def __init__(self, state: EnsembleState, settings: ControlSettings, *,
+                 has_limited_view: bool) -> None:
         """
         Start before the first measurement.
 
         :param state: the ``EnsembleState`` to correct.
         :param settings: ``ControlSettings``, for the noise of object poses.
+        :param has_limited_view: whether the object is pushed without being seen, too.
         """
         self._state = state
         self._settings = settings
+        self._has_limited_view = has_limited_view
+
+    def has_unseen_contact(self, time: float) -> bool:
+        """
+        Tell whether poses that come tell of a contact that nobody has seen.
+
+        :param time: now [s].
+        """
+        state = self._state
+        if not self._has_limited_view or state.pose_time is None:
+            return False
+        return state.last_contact > state.pose_time or time < state.coupled_until
 
     def update_object(self, measured: ObjectPose) -> bool:
         """
@@ -71,6 +86,8 @@ class MeasurementUpdate:
             return True
         if measured.time <= state.pose_time or not state.history.times:
             return False
+        if self._ends_unseen_contact(state.pose_time, measured.time):
+            state.coupled_until = measured.time + COUPLING_TIME
         state.pose_time = measured.time
         state.history.drop_before(measured.time)
         update = EnsembleUpdate(self._expected(measured.time), self._noise(measured))
@@ -82,7 +99,8 @@ class MeasurementUpdate:
         if test.squared_distance > OUTLIER_GATE:
             return self._count_outlier(measured, innovation)
         state.outliers = 0
-        self._correct(update, state.time_since_contact(measured.time) < COUPLING_TIME)
+        self._correct(update, state.time_since_contact(measured.time) < COUPLING_TIME
+                      or measured.time < state.coupled_until)
         self._keep_object_stds()
         return True
 
@@ -105,6 +123,11 @@ class MeasurementUpdate:
             robots = state.members.robot_poses
             state.members.set_robot_poses(robots + update.jump(robots))
             state.restart_history()
+
+    def _ends_unseen_contact(self, previous_time: float, time: float) -> bool:
+        """Tell whether a pose is the first one after a contact that nobody has seen."""
+        return (self._has_limited_view and time - previous_time > COUPLING_TIME
+                and self._state.last_contact > previous_time)
 
     def _expected(self, time: float) -> FloatArray:
         """Return the object poses that the members expect to be measured, shape (n, 3)."""

@@ -35,12 +35,14 @@ class PushEnsemble(EnsembleReading):
     """Estimates poses of robot and object, errors of odometry, and friction."""
 
     def __init__(self, obj: PushedObject, robot: RoundRobot, control: ControlSettings,
-                 odometry_noise: OdometryNoise, seed: int = 0) -> None:
+                 odometry_noise: OdometryNoise, seed: int = 0, *,
+                 has_limited_view: bool = False) -> None:
         """
         Start without poses; the first measurements give them.
 
         :param control: ``ControlSettings``, for the noise of object poses.
         :param seed: of the random samples of the members.
+        :param has_limited_view: whether the object is pushed without being seen, too.
         """
         # The bias has a generator of its own: nothing else depends on whether there is one.
         bias = PoseBias(control.pose_bias, control.heading_bias, MEMBER_COUNT,
@@ -48,7 +50,8 @@ class PushEnsemble(EnsembleReading):
         super().__init__(EnsembleState(Members(obj, robot, MEMBER_COUNT), bias, odometry_noise,
                                        np.random.default_rng(seed)))
         self._prediction = Prediction(self._state)
-        self._measurement_update = MeasurementUpdate(self._state, control)
+        self._measurement_update = MeasurementUpdate(self._state, control,
+                                                     has_limited_view=has_limited_view)
 
     @property
     def log_likelihood(self) -> float:
@@ -60,6 +63,13 @@ class PushEnsemble(EnsembleReading):
         """Time from the last contact to the last odometry [s]; infinite before either."""
         odometry = self._state.odometry
         return math.inf if odometry is None else self._state.time_since_contact(odometry.time)
+
+    @property
+    def has_unseen_contact(self) -> bool:
+        """Whether poses that come tell of a contact that nobody has seen."""
+        odometry = self._state.odometry
+        return (odometry is not None
+                and self._measurement_update.has_unseen_contact(odometry.time))
 
     # Filter.
 

@@ -133,7 +133,8 @@ class KnowledgeMemory:
     def is_due(self, state: TaskState) -> bool:
         """Return whether there is something to keep: a push and the retreat from it have ended."""
         self._has_pushed = self._has_pushed or state is TaskState.PUSH
-        return self._has_pushed and state not in (TaskState.PUSH, TaskState.RETREAT)
+        return self._has_pushed and state not in (
+            TaskState.PUSH, TaskState.RETREAT, TaskState.LOOK)
 
     def keep(self, knowledge: ObjectKnowledge) -> str:
         """

@@ -5,8 +5,8 @@ import math
 
 from push_control.behaviors.failures import BehaviorFailure
 from push_control.behaviors.push_progress import (
-    decide, EXCESS_DISTANCE, EXCESS_RATIO, MIN_SPEED, Miss, MISS_DISTANCE, MISS_SIGMAS,
-    PushProgress, Stage, Steer, Stop, TIMEOUT)
+    decide, EXCESS_DISTANCE, EXCESS_RATIO, MAX_UNSEEN_HEADING_STD, MAX_UNSEEN_STD, MIN_SPEED, Miss,
+    MISS_DISTANCE, MISS_SIGMAS, PushProgress, Stage, Steer, Stop, TIMEOUT)
 from push_control.perception.contact_consistency import Touch
 import pytest
 
@@ -67,3 +67,26 @@ def test_an_object_moves_along_with_what_pushes_it(angle, contact):
     moved = 0.1 * math.cos(angle), 0.1 * math.sin(angle)
     assert dataclasses.replace(PUSH, driven=(0.1, 0.0), moved=moved).contact is contact
     assert dataclasses.replace(PUSH, driven=(0.02, 0.0), moved=moved).contact is Touch.TAPPED
+
+
+BLIND = {'is_blind': True, 'was_blind': True}
+
+
+@pytest.mark.parametrize('progress, values, expected', [
+    (PUSH, {'course': AT_END}, Stop()),
+    (PUSH, {'pushed': LIMIT + 1e-6}, Stop()),
+    (PUSH, {'is_near_obstacle': True}, Stop()),
+    (RUN_IN, {'overrun': BEYOND}, Stop()),
+    (TAP, {'pushed': BEYOND}, COURSE),
+    (PUSH, {'object_std': MAX_UNSEEN_STD - 1e-6}, COURSE),
+    (PUSH, {'object_std': MAX_UNSEEN_STD + 1e-6}, Stop()),
+    (PUSH, {'object_heading_std': MAX_UNSEEN_HEADING_STD - 1e-6}, COURSE),
+    (PUSH, {'object_heading_std': MAX_UNSEEN_HEADING_STD + 1e-6}, Stop())])
+def test_a_push_that_is_not_seen_ends_but_misses_nothing(progress, values, expected):
+    """It ends as planned, by its limits, or where nobody knows where the object is by now."""
+    assert decide(dataclasses.replace(progress, **BLIND, **values)) == expected
+
+
+def test_a_push_that_is_seen_goes_on_however_uncertain_the_object_is():
+    """The next pose tells where it is."""
+    assert decide(dataclasses.replace(PUSH, object_std=1.0, object_heading_std=1.0)) == COURSE
