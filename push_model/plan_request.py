@@ -118,6 +118,6 @@ class PlanFailure(enum.Enum):
     UNUSABLE_MAP = 'the map cannot be used'
     BLOCKED = 'obstacles or the end of the map are in the way'
     INVALID_REQUEST = 'the request cannot be read'
-    NO_SOLVER = 'a steered push needs casadi, which is not installed'
     INVALID_PLAN = 'the plan cannot be used'
     INTERNAL_ERROR = 'the planner has made an error'
+    NO_SOLVER = 'a steered push needs casadi, which is not installed'
