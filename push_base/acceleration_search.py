@@ -12,6 +12,7 @@ times. While commands change no faster than the base follows, all models agree, 
 """
 
 from collections import deque
+import math
 
 from push_model.geometry import FloatArray
 
@@ -48,6 +49,17 @@ class AccelerationSearch:
     def ratio(self) -> float | None:
         """Acceleration over what is stated; None for as stated."""
         return None if self.model == AS_STATED else SLOW_RATIOS[self.model - 1]
+
+    def start_from(self, ratio: float) -> None:
+        """
+        Believe the model that is nearest to what is known.
+
+        :param ratio: acceleration over what is stated; above 1 for as stated.
+        """
+        ratios = 1.0, *SLOW_RATIOS
+        self._results.clear()
+        self.model = min(range(len(ratios)),
+                         key=lambda model: abs(math.log(ratios[model] / min(1.0, ratio))))
 
     def add(self, errors: FloatArray, variance: float) -> bool:
         """

@@ -185,6 +185,16 @@ class BaseIdentifier:
         self._measured: deque[tuple[float, ...]] = deque()
         self._due = -math.inf
 
+    def start_from(self, knowledge: BaseKnowledge) -> None:
+        """Take what was learned before as known, unless nothing is to be learned."""
+        if not self._robot.identify_base:
+            return
+        translation, rotation = self._accelerations
+        translation.start_from(knowledge.max_acceleration / self._robot.max_acceleration)
+        rotation.start_from(knowledge.max_yaw_acceleration / self._robot.max_yaw_acceleration)
+        self._evidence = [knowledge.min_speed, knowledge.min_yaw_rate]
+        self.knowledge = self._with_accelerations(knowledge)
+
     def restore(self, knowledge: BaseKnowledge) -> None:
         """Know no more than before: what has come since was of a base that was stopped."""
         self.knowledge = knowledge
@@ -306,15 +316,19 @@ class BaseIdentifier:
             errors = squares[..., channels].sum(axis=3).mean(axis=2).min(axis=1)
             errors = np.array([errors[:STATED_COUNT].min(), *errors[STATED_COUNT:]])
             is_better |= search.add(errors, float(measured[:, channels].var(axis=0).sum()))
-        limits = [math.inf if search.ratio is None else search.ratio * stated
-                  for search, stated in zip(self._accelerations, (
-                      self._robot.max_acceleration, self._robot.max_yaw_acceleration))]
-        known = self.knowledge._replace(max_acceleration=limits[0], max_yaw_acceleration=limits[1])
+        known = self._with_accelerations(self.knowledge)
         if known != self.knowledge:
             # The dead times until now were those of another model.
             self._results.clear()
             self.knowledge = known
         return is_better
+
+    def _with_accelerations(self, knowledge: BaseKnowledge) -> BaseKnowledge:
+        """State the accelerations of the models that are believed."""
+        limits = [math.inf if search.ratio is None else search.ratio * stated
+                  for search, stated in zip(self._accelerations, (
+                      self._robot.max_acceleration, self._robot.max_yaw_acceleration))]
+        return knowledge._replace(max_acceleration=limits[0], max_yaw_acceleration=limits[1])
 
     def _find_least_speeds(self, samples: FloatArray, time: float) -> None:
         """Find out which wheels or axes do not turn although they should."""

@@ -1,8 +1,11 @@
 """What is known of a base beside its limits: how late, from which speed on, how fast it moves."""
 
+from collections.abc import Mapping
 import dataclasses
+import hashlib
+import json
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from push_model.parameters import RoundRobot
 
@@ -10,6 +13,10 @@ from push_model.parameters import RoundRobot
 PULSE = 0.08
 # Part of a known acceleration that commands keep to; chosen: known ones may be a fifth too high.
 ACCELERATION_MARGIN = 0.85
+# Hexadecimal digits of a key; chosen: no two robots of a file have the same.
+KEY_DIGITS = 16
+# Greatest values that are read, by field [s, m/s, rad/s, s]; chosen: beyond what is ever learned.
+MAX_VALUES = {'dead_time': 1.0, 'min_speed': 0.5, 'min_yaw_rate': 2.0, 'pulse': 0.5}
 
 
 class BaseKnowledge(NamedTuple):
@@ -41,6 +48,31 @@ class BaseKnowledge(NamedTuple):
         """
         return cls(robot.dead_time, robot.min_speed, robot.min_yaw_rate)
 
+    def to_mapping(self) -> dict[str, float]:
+        """Turn it into plain numbers by field, as ``from_mapping`` reads them."""
+        return {name: float(value) for name, value in self._asdict().items()}
+
+    @classmethod
+    def from_mapping(cls, values: Mapping[str, Any]) -> 'BaseKnowledge':
+        """
+        Make it of plain numbers.
+
+        :param values: by field; what is missing is as of a base of which nothing is known.
+        :raises ValueError: naming the field that is unknown or wrong.
+        """
+        for name, value in values.items():
+            if name not in cls._fields:
+                raise ValueError(f'{name}: got an unknown field, expected one of '
+                                 + ', '.join(cls._fields))
+            is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+            limit = MAX_VALUES.get(name, math.inf)
+            is_allowed_zero = name in MAX_VALUES and name != 'pulse'
+            if not (is_number and 0.0 <= value <= limit and (value > 0.0 or is_allowed_zero)):
+                raise ValueError(f'{name}: got {value!r}, expected a number '
+                                 f'{"of at least" if is_allowed_zero else "above"} 0'
+                                 + (f', up to {limit:g}' if limit < math.inf else ''))
+        return cls(**{name: float(value) for name, value in values.items()})
+
     def limited(self, robot: RoundRobot) -> RoundRobot:
         """
         Limit the accelerations of a robot to what commands may ask of its base.
@@ -55,3 +87,15 @@ class BaseKnowledge(NamedTuple):
             return robot
         return dataclasses.replace(robot, max_acceleration=acceleration,
                                    max_yaw_acceleration=yaw_acceleration)
+
+
+def robot_key(robot: RoundRobot) -> str:
+    """
+    Name a robot by its nominal parameters, the same in every process.
+
+    What was learned of a base belongs to these: once they are stated otherwise it does not hold.
+
+    :return: ``robot_`` and hexadecimal digits.
+    """
+    text = json.dumps(dataclasses.asdict(robot), sort_keys=True)
+    return 'robot_' + hashlib.sha256(text.encode()).hexdigest()[:KEY_DIGITS]

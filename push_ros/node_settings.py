@@ -61,6 +61,8 @@ class ControllerOptions:
                                   default='')
     knowledge_file: str = quantity('YAML file that keeps what tasks learn of objects; empty: none',
                                    default='')
+    base_file: str = quantity('YAML file that keeps what is learned of the base; empty: none',
+                              default='')
     watchdog_timeout: float = quantity('time without odometry before a stop', 's', above=0.0,
                                        high=5.0, default=0.25)
     object_pose_with_covariance: bool = quantity(

@@ -135,6 +135,15 @@ class SafetyLayer:
         """What is known of the base, as stated and as learned from its motion."""
         return self._identifier.knowledge
 
+    def start_from(self, knowledge: BaseKnowledge) -> None:
+        """
+        Drive the base as what was learned of it before says; the checks take no notice of it.
+
+        :param knowledge: ``BaseKnowledge``.
+        """
+        self._identifier.start_from(knowledge)
+        self._moving_knowledge = self._identifier.knowledge
+
     @property
     def awaits_resume(self) -> bool:
         """Whether the robot stays stopped until ``resume``."""

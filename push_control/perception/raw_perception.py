@@ -6,6 +6,7 @@ from push_control.events import PerceptionEvent
 from push_control.perception.measurement_faults import measurement_fault
 from push_control.perception.object_knowledge import ObjectKnowledge
 from push_control.settings import ControlSettings
+from push_model.base_knowledge import BaseKnowledge
 from push_model.events import EventReport, Report
 from push_model.geometry import Pose
 from push_model.observation import Observation
@@ -131,13 +132,18 @@ class RawPerception:
         """``Pose`` of the robot a dead time and a lag ahead; None where it has no dead time."""
         return None
 
+    @property
+    def base_knowledge(self) -> BaseKnowledge | None:
+        """What is known of the base by now; None for as stated."""
+        return None if self._observation is None else self._observation.base
+
     def limited(self, robot: RoundRobot) -> RoundRobot:
         """
         Limit a robot to the accelerations that its base was seen to reach.
 
         :param robot: the ``RoundRobot``, nominal.
         """
-        known = None if self._observation is None else self._observation.base
+        known = self.base_knowledge
         return robot if known is None else known.limited(robot)
 
     def add_command(self, command: Twist, time: float) -> None:

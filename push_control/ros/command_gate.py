@@ -1,9 +1,11 @@
 """Between measurements, goals and ``cmd_vel``: stamps, other commanders and the safety layer."""
 
 import math
+from pathlib import Path
 import time
 from typing import Any, NamedTuple, TYPE_CHECKING
 
+from push_control.ros.base_memory import BaseMemory
 from push_control.ros.measurements import ClockCheck, OdometryState, OdometryWatchdog
 from push_control.ros.other_commanders import OtherCommanders
 from push_control.ros.parameters import ControllerParameters
@@ -12,10 +14,12 @@ from push_model.observation import Observation
 from push_model.parameters import PushedObject
 from push_model.signals import ObjectPose, Odometry, STOP, Twist
 from push_ros.conversions.primitives import MessageRefused, nanoseconds
+from push_ros.diagnostics import WARN
 from push_ros.node import PushNode
 from push_safety.layer import SafetyLayer
 from push_safety.stamp_check import StampCheck, StampVerdict
 from push_safety.status import SafetyReason
+from push_safety.stop import is_at_rest
 
 if TYPE_CHECKING:  # It is imported once the node has reported.
     from push_control.ros.pursuit import GoalPursuit
@@ -59,6 +63,13 @@ class CommandGate:
                                   heading_count=parameters.control.heading_count,
                                   is_odometry_absolute=is_absolute,
                                   standstill_limit=parameters.control.standstill_limit)
+        file = parameters.options.base_file
+        self._memory = BaseMemory(Path(file) if file else None, parameters.robot)
+        known, fault = self._memory.recall()
+        if known is not None:
+            self._layer.start_from(known)
+        if fault:
+            node.reporter.report(WARN, fault, always=True)
         self._flip = 0.0
         self._is_lockstep = parameters.options.lockstep
         self._watchdog = OdometryWatchdog(
@@ -149,7 +160,15 @@ class CommandGate:
         command = self._layer.guard(observation, pursuit, decide, is_commanding=is_commanding,
                                     interference=interference)
         self._warn_of_flip()
+        if not is_commanding and is_at_rest(observation.odometry.twist):
+            self.keep_base()
         return command
+
+    def keep_base(self) -> None:
+        """Keep what was learned of the base, once the robot stands."""
+        fault = self._memory.keep(self._layer.base_knowledge)
+        if fault:
+            self._node.reporter.report(WARN, fault, always=True)
 
     @property
     def _is_odometry_fresh(self) -> bool:

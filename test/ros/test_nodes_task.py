@@ -11,8 +11,10 @@ from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState, GetState
 import numpy as np
 from push_control.perception.object_knowledge import object_key, ObjectKnowledge
+from push_control.ros.base_memory import BaseMemory
 from push_control.ros.commands import STOP_COMMANDS
 from push_control.ros.objects.knowledge import KnowledgeFile
+from push_model.base_knowledge import BaseKnowledge
 from push_model.contact import find_contact
 from push_model.files.data import config_file
 from push_model.files.flat_values import to_parameter_values
@@ -435,6 +437,20 @@ def test_what_was_learned_before_is_in_the_request(tmp_path):
     assert friction_center(obj) == pytest.approx(known.friction_center, abs=1e-3)
     assert obj.contact_friction_coefficient == pytest.approx(0.25, abs=1e-3)
     assert KnowledgeFile(path).read(object_key(SCENARIO.object))[1] == known
+
+
+def test_a_damaged_file_of_the_base_is_a_warning_and_replaced(tmp_path):
+    """The node starts, says so, and keeps what is known once the robot stands."""
+    path = tmp_path / 'base.yaml'
+    path.write_text('- 1')
+    with bench(tmp_path, CONTROLLER, 'push_control.controller_node',
+               {**TASK, 'base_file': str(path)}) as b:
+        stand = Stand(b)
+        stand.measure_until(lambda: any(text.startswith('base_file: ')
+                                        for text in texts(b, CONTROLLER)))
+        stand.measure_until(lambda: path.read_text() != '- 1')
+    assert BaseMemory(path, SCENARIO.robot).recall() == (
+        BaseKnowledge.stated(SCENARIO.robot), '')
 
 
 @pytest.fixture(scope='module')
