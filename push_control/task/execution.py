@@ -284,6 +284,9 @@ class TaskExecution:
 
     def _end_after_failure(self, failure: FailureReport) -> None:
         """Go on after a failure, unless it has shown that the object is too heavy."""
+        if failure.code is BehaviorFailure.OBJECT_NOT_MOVED and self._force_warning:
+            # By what is stated, the robot touches it and is too weak, rather than elsewhere.
+            failure = BehaviorFailure.WHEELS_SPIN.report()
         has_spun = failure.code is BehaviorFailure.WHEELS_SPIN
         if has_spun and self._progress.count_spin():
             self._abort(TaskFailure.TOO_HEAVY, TaskEvent.ABORTED.report(reason=failure))

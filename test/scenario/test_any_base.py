@@ -57,6 +57,20 @@ def test_an_object_that_is_too_heavy_is_called_so():
     assert result.duration < 20.0
 
 
+def test_an_object_that_does_not_move_at_all_is_too_heavy_where_the_force_is_stated():
+    """Without that it may as well be another object that the poses are of."""
+    scenario = load_scenario('task_slippery')
+    force = 0.02 * sum(scenario.true_object.capacities)
+    failures = []
+    for robot in (dataclasses.replace(scenario.robot, max_push_force=force), scenario.robot):
+        true = dataclasses.replace(scenario.true_robot, max_push_force=force)
+        result = simulate(dataclasses.replace(scenario, robot=robot, true_robot=true,
+                                              time_limit=60.0))
+        assert result.outcome is Outcome.FAILED
+        failures.append(result.status.failure)
+    assert failures == [TaskFailure.TOO_HEAVY, TaskFailure.NO_PROGRESS]
+
+
 def test_the_forces_are_named_before_the_first_push():
     """Where the robot's file states that it is too weak, the history starts with a warning."""
     scenario = load_scenario('task_turn')
