@@ -14,6 +14,10 @@ although they are above that, get longer where the acceleration of the base does
 reach their height, and higher else, and come back once they move it. A least speed
 whose pulses move the base comes down with them, until its pulses are so small that a lower one
 would gain nothing: what seemed to stand may have been blocked.
+
+``push_safety.delay_search`` looks for a fault, whatever the base is like: it leaves out constant
+differences, as of a wheel of another size, and has one model. Here a difference is an error. A
+recording is fitted in ``calibration.drive_fit``, with lag, scales and accelerations unknown, too.
 """
 
 from collections import deque
@@ -29,6 +33,7 @@ from push_dynamics import actuation
 from push_dynamics.compiled import interpreted
 from push_model.base_knowledge import BaseKnowledge, PULSE
 from push_model.geometry import FloatArray
+from push_model.parabola import vertex_offset
 from push_model.parameters import RoundRobot
 from push_model.signals import Odometry, STOP, Twist
 
@@ -278,7 +283,8 @@ class BaseIdentifier:
             return
         if errors[best] > MAX_UNEXPLAINED * variance:
             return
-        self._results.append(float(shifts[best]) + SHIFT_STEP * _vertex(errors, best))
+        self._results.append(float(shifts[best])
+                             + SHIFT_STEP * vertex_offset(errors.tolist(), best))
         if not self.has_dead_time:
             return
         found = statistics.median(self._results)
@@ -410,12 +416,3 @@ class BaseIdentifier:
 def _row(model: int) -> int:
     """Return the index in ``ACCELERATION_RATIOS`` of a model of ``AccelerationSearch``."""
     return 0 if model == AS_STATED else STATED_COUNT + model - 1
-
-
-def _vertex(values: FloatArray, index: int) -> float:
-    """Find how far the vertex of a parabola through the least value is from it, in steps."""
-    if not 0 < index < len(values) - 1:
-        return 0.0
-    before, here, after = (float(value) for value in values[index - 1:index + 2])
-    curvature = before - 2.0 * here + after
-    return 0.5 * (before - after) / curvature if curvature > 0.0 else 0.0

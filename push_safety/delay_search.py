@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from push_dynamics.compiled import compiled
 from push_model.geometry import FloatArray
+from push_model.parabola import vertex_offset
 from push_model.signals import Twist
 from push_safety.tolerances import LEVER_ARM, REST_SPEED
 
@@ -86,6 +87,7 @@ class DelaySearch:
         """
         self._history_time = history_time
         self._max_delay = max_delay
+        self._step = step
         self._samples: deque[tuple[float, ...]] = deque()
         self._units: FloatArray = np.array(UNITS, dtype=np.float64)
         self._delays: FloatArray = np.arange(0.0, max_delay + step, step, dtype=np.float64)
@@ -137,19 +139,11 @@ class DelaySearch:
         compare_delays(samples, first, self._delays, self._variances)
         variances: list[float] = self._variances.tolist()
         best = int(self._variances.argmin())
-        return DelayMatch(
-            float(self._delays[best]), self._precise_delay(best), variances[best], variances[0],
-            float(samples[first:, MEASURED:EXPECTED].var(axis=0).sum()))
-
-    def _precise_delay(self, best: int) -> float:
-        """Return where the parabola through the least variance and its neighbours is least."""
         delay = float(self._delays[best])
-        if not 0 < best < len(self._delays) - 1:
-            return delay
-        before, least, after = self._variances[best - 1:best + 2].tolist()
-        curvature = before - 2.0 * least + after
-        step = delay - float(self._delays[best - 1])
-        return delay + 0.5 * step * (before - after) / curvature if curvature > 0.0 else delay
+        return DelayMatch(
+            delay, delay + self._step * vertex_offset(variances, best), variances[best],
+            variances[0],
+            float(samples[first:, MEASURED:EXPECTED].var(axis=0).sum()))
 
 
 def _are_at_rest(values: Sequence[float]) -> bool:
