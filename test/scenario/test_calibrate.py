@@ -69,6 +69,19 @@ def test_interrupted_over_dds_it_writes_what_it_has(network, tmp_path):
 
 
 @pytest.mark.dds
+def test_where_the_simulator_ends_it_ends_and_writes_what_it_has(network, tmp_path):
+    """Nobody interrupts it: nothing comes any more, and it waits no longer."""
+    with start(network, tmp_path) as process:
+        for line in process.stderr:
+            if line.startswith('steps'):
+                network.processes.stop(SIM)
+                break
+        output, _ = process.communicate(timeout=240)
+    assert 'Ended early: odometry ceased' in output
+    assert {path.name for path in (tmp_path / 'out').iterdir()} == FILES
+
+
+@pytest.mark.dds
 def test_over_dds_the_base_is_measured_and_its_files_do_a_task(network, tmp_path):
     """A base that is late and has a dead band does a task as it is measured."""
     with start(network, tmp_path) as process:

@@ -25,6 +25,9 @@ from push_ros.node_settings import Frames
 NAME = 'push_calibration'
 # Period of commands while no odometry comes [s]; chosen: below the time-out of every base.
 PERIOD = 0.05
+# Time on the wall after which a simulator in lockstep that is silent has ended [s]; chosen:
+# longer than a busy computer takes for a step.
+LOCKSTEP_TIMEOUT = 60.0
 # Zeros at the end of the process, which an interrupted one may owe still.
 FINAL_ZEROS = 5
 
@@ -85,7 +88,8 @@ class Calibrator(PushNode):
         self._pose_frames: dict[str, str] = {}
         self._publisher = self.publisher('cmd_vel', self._options.enable_stamped_cmd_vel)
         self._command = STOP
-        self._due = 0.0
+        # When a command is due where nothing comes, or in lockstep the end [s].
+        self._due = math.inf if self._options.lockstep else 0.0
         self.subscribe('odom', self._on_odometry, real_time=True)
         self.subscribe('object_pose', self._on_object_pose, real_time=True)
         self.create_subscription(PoseStamped, 'robot_pose', self.guarded(self._on_robot_pose),
@@ -100,12 +104,18 @@ class Calibrator(PushNode):
     @property
     def wake_time(self) -> float:
         """Time on the wall at which a command is due [s]."""
-        return math.inf if self._options.lockstep else self._due
+        return self._due
 
     def poll(self) -> bool:
         """Handle what has come, and command where nothing comes."""
         has_come = super().poll()
-        if time.monotonic() >= self._due and not self._options.lockstep:
+        if time.monotonic() < self._due:
+            return has_come
+        if self._options.lockstep:
+            self._due = math.inf
+            self._program.interrupt(Interruption.ODOMETRY_LOST, self._time())
+            signal.raise_signal(signal.SIGTERM)
+        else:
             self._step(self._time(), None)
         return has_come
 
@@ -137,7 +147,7 @@ class Calibrator(PushNode):
     def _step(self, now: float, odometry: Odometry | None, stamp: Any = None) -> None:
         if self._program.is_done:
             return
-        self._due = time.monotonic() + PERIOD
+        self._due = time.monotonic() + (LOCKSTEP_TIMEOUT if self._options.lockstep else PERIOD)
         self._command = self._program.step(now, odometry)
         self._send(self._command, self.now() if stamp is None else stamp)
         self._on_progress(self._program)
