@@ -35,6 +35,11 @@ class TaskEvent(Cause):
     # There is no plan.
     NO_PLAN = 'no plan: {reason}'
     NO_PUSH_NEEDED = '{reason}'
+
+    # It is done, but for what nobody can know.
+    DONE_BY_ODOMETRY = (
+        'at its goal as odometry has it, which is known to {position:.0f} mm and {heading:.1f} '
+        'deg (standard deviations)')
     NOBODY_PLANS = 'no plan within {timeout:g} s: nobody subscribes {topic}'
     PLANNER_SILENT = 'no plan within {timeout:g} s: the subscriber of {topic} does not answer'
     PLANNERS_SILENT = 'no plan within {timeout:g} s: {count} subscribers of {topic} do not answer'

@@ -74,6 +74,18 @@ class PoseCovariance(NamedTuple):
                          (x_theta, y_theta, theta_theta)])
 
 
+class PoseDeviation(NamedTuple):
+    """
+    Standard deviations of a pose.
+
+    :param position: of x or y, the greater one [m].
+    :param heading: of the heading [rad].
+    """
+
+    position: float
+    heading: float
+
+
 class ObjectEstimate(NamedTuple):
     """
     What is estimated of an object at a time [s].
@@ -115,7 +127,7 @@ class ObjectPose(NamedTuple):
     :param time: of the measurement [s].
     :param pose: ``Pose`` of the object.
     :param covariance: ``PoseCovariance`` of the pose as its source states it; None where it states
-        none. Of a relative pose it is that of the measurement alone, without the robot's error.
+        none. Of a relative pose it is that of the measurement alone, along the axes of the robot.
     :param relative: ``Pose`` of the object in the axes of the robot at that time, where a sensor
         on the robot measures it; ``pose`` is then composed with odometry. None where the pose is
         measured in the world.

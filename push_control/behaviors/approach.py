@@ -116,10 +116,12 @@ class StandoffApproach(Behavior[TaskPerception]):
     def _check_object(self, perception: TaskPerception) -> None:
         """Fail where somebody has moved the object, or the robot itself has run into it."""
         obj, robot, settings = self._context.obj, self._context.robot, self._context.supervision
+        # Where poses are relative to the robot, their relation is measured, and needs no contact.
+        is_relative = perception.localization.is_relative
         gap = perception.gap
         deviation = perception.localization.position_deviation
         was_displaced = perception.was_displaced
-        if gap < -OVERLAP_TOLERANCE and not was_displaced:
+        if gap < -OVERLAP_TOLERANCE and not (was_displaced or is_relative):
             perception.update_from_contact(obj, robot, OVERLAP_TOLERANCE)
         at_rest = perception.object_at_rest
         pose = at_rest.pose
@@ -131,7 +133,7 @@ class StandoffApproach(Behavior[TaskPerception]):
                 self._moved_distance += CERTAIN_SIGMAS * at_rest.position_error
         may_touch = gap < settings.probe_distance + CERTAIN_SIGMAS * deviation
         has_shifted = distance(pose, self._first_object_pose) > self._moved_distance
-        if may_touch and has_shifted and not was_displaced:
+        if may_touch and has_shifted and not (was_displaced or is_relative):
             contact_deviation = OVERLAP_TOLERANCE
             if gap > OVERLAP_TOLERANCE + CERTAIN_SIGMAS * deviation:
                 # Either its pose is wrong by that, or somebody else has moved the object.

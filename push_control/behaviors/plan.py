@@ -164,11 +164,18 @@ class PlanBehavior(Behavior[TaskPerception]):
         knowledge, uncertainty = localization.knowledge, perception.position_uncertainty
         request = PlanRequest(
             object_pose, perception.robot_pose, self._goal, localization.obj,
-            progress.cone_fraction, *progress.aim, uncertainty.position,
+            progress.cone_fraction, *progress.aim, self._position_std(perception),
             knowledge.center_deviation, knowledge.contact_friction_deviation,
             uncertainty.slope, uncertainty.drift)
         if not progress.awaits_map(request, perception.time):
             self.plan_request = request
+
+    def _position_std(self, perception: TaskPerception) -> float:
+        """Return the std of the robot at the object, in a map in the world too [m]."""
+        at_object = perception.position_deviation
+        if self._context.occupancy_map is None:
+            return at_object
+        return max(at_object, perception.position_uncertainty.position)
 
     def _abort(self, failure: TaskFailure | None, cause: AnyReport) -> None:
         self._finish(Abort(failure, cause))

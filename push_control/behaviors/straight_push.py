@@ -254,7 +254,9 @@ class StraightPush(Behavior[TaskPerception]):
                 progress.stage is Stage.RUN_IN and moved_distance > UNEXPECTED_DISTANCE
                 and not (is_blind or perception.was_displaced)),
             is_blind=is_blind, was_blind=progress.was_blind or is_blind,
-            object_std=max(object_x_std, object_y_std), object_heading_std=object_heading_std)
+            # Of relative poses the place in the world is that of odometry, which drifts.
+            object_std=0.0 if self._ensemble.is_relative else max(object_x_std, object_y_std),
+            object_heading_std=object_heading_std)
 
     def _is_seen_to_move(self, measured: ObjectPose, before: Pose) -> bool:
         """Whether the object has moved by more than the noise of a pose."""

@@ -22,7 +22,7 @@ from push_model.events import EventReport, Report
 from push_model.geometry import Pose
 from push_model.observation import Observation
 from push_model.parameters import PushedObject, RoundRobot
-from push_model.signals import ObjectEstimate, ObjectPose, Odometry, Twist
+from push_model.signals import ObjectEstimate, ObjectPose, Odometry, PoseDeviation, Twist
 from push_navigation.map_clearance import PositionUncertainty
 
 # Errors of the object at rest over the standard deviations of an ensemble that estimates a bias,
@@ -114,6 +114,7 @@ class TaskPerception(RawPerception):
 
     def _take_object_pose(self, measured: ObjectPose) -> ObjectPose:
         """Correct the estimate by an object pose; return the newest one that it includes."""
+        measured = self._placed(measured)
         is_new = self._pose_time is None or measured.time > self._pose_time
         self._pose_time = measured.time
         is_accepted = self.localization.update(measured)
@@ -127,6 +128,13 @@ class TaskPerception(RawPerception):
         if measured.time >= self._at_rest_from:
             self._window.add(measured if self._is_outlier else accepted, self._is_outlier)
         return accepted
+
+    def _placed(self, measured: ObjectPose) -> ObjectPose:
+        """Place a pose that is relative to the robot in the world, by where the robot was."""
+        localization = self.localization
+        if measured.relative is None or not localization.is_initialized:
+            return measured
+        return measured._replace(pose=localization.pose_at(measured.time) @ measured.relative)
 
     def _accept(self, measured: ObjectPose) -> None:
         localization = self.localization
@@ -323,12 +331,42 @@ class TaskPerception(RawPerception):
         average, localization = self._window.object_at_rest, self.localization
         if average is None:
             raise RuntimeError('perception: got no pose of the object at rest, expected one')
+        if localization.is_relative:
+            return self._relative_at_rest(average)
         if not localization.has_pose_bias:
             return average
         x, y, heading = (DEVIATION_FACTOR * localization.object_deviations).tolist()
         return average._replace(
             pose=localization.object_pose, position_error=max(x, y, average.position_error),
             heading_error=max(heading, average.heading_error), is_biased=True)
+
+    def _relative_at_rest(self, average: ObjectAtRest) -> ObjectAtRest:
+        """
+        Return the object at rest by poses that are relative to the robot.
+
+        Where the robot is measured in the world, its errors count; else the goal is known only as
+        its odometry has it, which ``goal_deviation`` tells.
+        """
+        average = average._replace(pose=self.localization.object_pose)
+        if not self.is_robot_measured:
+            return average
+        x, y, heading = self.localization.object_deviations.tolist()
+        return average._replace(position_error=max(average.position_error, x, y),
+                                heading_error=max(average.heading_error, heading))
+
+    @property
+    def goal_deviation(self) -> PoseDeviation | None:
+        """
+        ``PoseDeviation`` of the object in the frame of its goal; None where tolerances bound it.
+
+        With poses that are relative to a robot whose odometry drifts the place of the goal drifts,
+        however well the object is seen.
+        """
+        localization = self.localization
+        if not localization.is_relative or self.is_robot_measured:
+            return None
+        x, y, heading = localization.object_deviations.tolist()
+        return PoseDeviation(max(x, y), heading)
 
     def restart_averaging(self, time: float) -> None:
         """Forget where the object was at rest."""

@@ -11,7 +11,7 @@ from push_model.events import EventReport, Report
 from push_model.geometry import Pose
 from push_model.observation import Observation
 from push_model.parameters import RoundRobot
-from push_model.signals import ObjectEstimate, ObjectPose, Twist
+from push_model.signals import ObjectEstimate, ObjectPose, PoseDeviation, Twist
 
 
 class RawPerception:
@@ -114,6 +114,11 @@ class RawPerception:
     def expected_object_pose(self) -> Pose:
         """``Pose`` that the object should have by now, be it seen or not."""
         return self.object_pose.pose
+
+    @property
+    def goal_deviation(self) -> PoseDeviation | None:
+        """``PoseDeviation`` of the object in the frame of its goal; None where that is bounded."""
+        return None
 
     # What an estimate adds.
 

@@ -104,7 +104,8 @@ class TaskExecution:
             push=self._push_status,
             robot_pose=perception.robot_pose if perception.is_localized else None,
             is_requested=machine.is_requested and cause is machine.cause,
-            failure=machine.failure, codes=codes(cause))
+            failure=machine.failure, codes=codes(cause),
+            goal_deviation=perception.goal_deviation)
 
     @property
     def state(self) -> TaskState:
@@ -251,7 +252,7 @@ class TaskExecution:
         if isinstance(result, Abort):
             self._abort(*result)
         elif result is NoPushNeeded.REACHED:
-            self._enter(TaskState.DONE)
+            self._enter(TaskState.DONE, self._done_cause)
         elif result is NoPushNeeded.OUT_OF_VIEW:
             self._enter(TaskState.LOOK)
         elif result is NoPushNeeded.UNSEEN:
@@ -259,6 +260,15 @@ class TaskExecution:
             self._behavior = self._behaviors.inspection(self._perception)
         elif not self._plans_next_goal():
             self._enter(self._next_state())
+
+    @property
+    def _done_cause(self) -> AnyReport | None:
+        """What a task that is done does not know; None where the tolerances bound it."""
+        deviation = self._perception.goal_deviation
+        if deviation is None:
+            return None
+        return TaskEvent.DONE_BY_ODOMETRY.report(
+            position=1e3 * deviation.position, heading=math.degrees(deviation.heading))
 
     def _next_state(self) -> TaskState:
         """Find the state after a behaviour that has ended well."""

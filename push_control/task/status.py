@@ -8,6 +8,7 @@ from push_control.goal import TaskFailure
 from push_control.steered.status import ControllerStatus
 from push_model.events import Codes
 from push_model.geometry import Pose
+from push_model.signals import PoseDeviation
 
 
 class TaskState(enum.Enum):
@@ -74,6 +75,8 @@ class SupervisorStatus:
     :param is_requested: whether the user asked for this state, so that the reason is no fault.
     :param failure: the ``TaskFailure`` where the state is ``FAILED``, else None.
     :param codes: of the reason, as of ``Report``.
+    :param goal_deviation: ``PoseDeviation`` of the object in the frame of its goal, where the
+        place of that drifts with odometry; None where it does not.
     """
 
     state: TaskState = TaskState.IDLE
@@ -87,3 +90,4 @@ class SupervisorStatus:
     is_requested: bool = False
     failure: TaskFailure | None = None
     codes: Codes = ()
+    goal_deviation: PoseDeviation | None = None

@@ -8,6 +8,7 @@ from push_control.perception.ensemble.friction_members import (
     friction_centers, FrictionMembers, knowledge_of)
 from push_control.perception.ensemble.members import (
     DRIFT, identified_object, Members, ODOMETRY_ERRORS, SCALE)
+from push_control.perception.ensemble.relation import relative_poses
 from push_control.perception.object_knowledge import ObjectKnowledge
 from push_model.geometry import FloatArray, Pose, wrap_angle
 from push_model.parameters import PushedObject
@@ -69,9 +70,22 @@ class EnsembleReading:
         return self.members.deviations[:POSE]
 
     @property
+    def is_relative(self) -> bool:
+        """Whether object poses are relative to the robot."""
+        return self._state.is_relative
+
+    @property
     def position_deviation(self) -> float:
-        """Standard deviation of x or y of the robot, the greater one [m]."""
-        return self.members.position_deviation
+        """
+        Standard deviation of x or y of the robot, the greater one [m].
+
+        Where object poses are relative to it: in the frame of the object, which is all that a push
+        needs.
+        """
+        if not self.is_relative:
+            return self.members.position_deviation
+        relation = relative_poses(self.members.object_poses, self.members.robot_poses)
+        return float(relation[:, :2].std(axis=0).max())
 
     @property
     def position_uncertainty(self) -> PositionUncertainty:
@@ -79,7 +93,7 @@ class EnsembleReading:
         noise, parameters = self._state.odometry_noise, self.members.parameters
         scale, drift = parameters[:, [SCALE, DRIFT]].std(axis=0).tolist()
         return PositionUncertainty(
-            self.position_deviation,
+            self.members.position_deviation,
             math.hypot(float(self.standard_deviations[2]), scale, noise.walk),
             math.hypot(drift, HEADING_WALK_SHARE * noise.heading_walk))
 

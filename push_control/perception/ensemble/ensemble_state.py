@@ -63,7 +63,8 @@ class EnsembleState:
     newest object pose [s], or None. ``last_contact``: time of the last contact [s]. ``outliers``:
     number of object poses in a row that nothing explains. ``log_likelihood``: logarithm of the
     likelihood of all object poses, up to a constant. ``coupled_until``: time up to which object
-    poses tell of a contact that nobody has seen [s].
+    poses tell of a contact that nobody has seen [s]. ``is_relative``: whether the newest object
+    pose is relative to the robot.
     """
 
     def __init__(self, members: Members, bias: PoseBias, odometry_noise: OdometryNoise,
@@ -85,6 +86,7 @@ class EnsembleState:
         self.outliers = 0
         self.log_likelihood = 0.0
         self.coupled_until = -math.inf
+        self.is_relative = False
         self._draw_parameters()
 
     def _draw_parameters(self) -> None:
@@ -153,3 +155,4 @@ class EnsembleState:
         self.history, self.bias = other.history, other.bias
         self.outliers, self.last_contact = other.outliers, other.last_contact
         self.coupled_until = other.coupled_until
+        self.is_relative = other.is_relative

@@ -13,6 +13,11 @@ half of the standard deviation, so that no update makes the ensemble too sure.
 An object that nobody touches tells nothing of the robot: then only the object is updated. Poses
 that come late after a contact which nobody has seen tell of it, as those during one do. A pose
 that nothing explains is an outlier; several in a row are an object that somebody has moved.
+
+A pose z that is relative to the robot is compared with each member's own relation of robot r and
+object o, r^-1 o. It tells of the robot and of odometry always, so that an object at rest is a
+landmark; but of friction only after a contact, as chance correlations of the members would say
+more of it than there is to know.
 """
 
 import math
@@ -20,7 +25,8 @@ import math
 import numpy as np
 from push_control.perception.ensemble.ensemble_state import EnsembleState, POSE
 from push_control.perception.ensemble.ensemble_update import EnsembleUpdate
-from push_control.perception.ensemble.members import OBJECT_COLUMNS
+from push_control.perception.ensemble.members import OBJECT_COLUMNS, ODOMETRY_ERRORS
+from push_control.perception.ensemble.relation import composed_poses, relative_poses
 from push_control.settings import ControlSettings
 from push_model.geometry import FloatArray, wrap_angle
 from push_model.signals import ObjectPose
@@ -80,6 +86,7 @@ class MeasurementUpdate:
         :return: whether the estimate includes it.
         """
         state = self._state
+        state.is_relative = measured.relative is not None
         if state.pose_time is None:
             self._place_objects(measured)
             state.pose_time = measured.time
@@ -90,8 +97,9 @@ class MeasurementUpdate:
             state.coupled_until = measured.time + COUPLING_TIME
         state.pose_time = measured.time
         state.history.drop_before(measured.time)
-        update = EnsembleUpdate(self._expected(measured.time), self._noise(measured))
-        innovation = np.array(measured.pose) - update.mean
+        expected = self._expected(measured.time, is_relative=state.is_relative)
+        update = EnsembleUpdate(expected, self._noise(measured))
+        innovation = np.array(measured.relative or measured.pose) - update.mean
         innovation[2] = wrap_angle(innovation[2])
         test = update.test(innovation)
         state.log_likelihood -= 0.5 * (min(test.squared_distance, OUTLIER_GATE)
@@ -99,8 +107,9 @@ class MeasurementUpdate:
         if test.squared_distance > OUTLIER_GATE:
             return self._count_outlier(measured, innovation)
         state.outliers = 0
-        self._correct(update, state.time_since_contact(measured.time) < COUPLING_TIME
+        is_coupled = (state.time_since_contact(measured.time) < COUPLING_TIME
                       or measured.time < state.coupled_until)
+        self._correct(update, is_coupled or state.is_relative, tells_of_friction=is_coupled)
         self._keep_object_stds()
         return True
 
@@ -129,23 +138,27 @@ class MeasurementUpdate:
         return (self._has_limited_view and time - previous_time > COUPLING_TIME
                 and self._state.last_contact > previous_time)
 
-    def _expected(self, time: float) -> FloatArray:
+    def _expected(self, time: float, *, is_relative: bool) -> FloatArray:
         """Return the object poses that the members expect to be measured, shape (n, 3)."""
         bias, poses = self._state.bias, self._state.history.at(time)
-        objects = poses[:, POSE:]
-        return objects + bias.errors(poses[:, :POSE], objects) if bias.exists else objects
+        robots, objects = poses[:, :POSE], poses[:, POSE:]
+        if bias.exists:
+            objects = objects + bias.errors(robots, objects)
+        return relative_poses(robots, objects) if is_relative else objects
 
     def _noise(self, measured: ObjectPose) -> FloatArray:
         """Return the covariance of the errors that differ from one object pose to the next."""
         covariance, bias = self._settings.believed_covariance(measured).matrix, self._state.bias
         return covariance + bias.roughness if bias.exists else covariance
 
-    def _correct(self, update: EnsembleUpdate, is_coupled: bool) -> None:
+    def _correct(self, update: EnsembleUpdate, is_coupled: bool, *,
+                 tells_of_friction: bool = True) -> None:
         """
         Update all members by a measurement.
 
         :param update: ``EnsembleUpdate``, its innovation tested.
-        :param is_coupled: whether it tells of the robot and of friction too.
+        :param is_coupled: whether it tells of the robot and of odometry too.
+        :param tells_of_friction: whether it then tells of friction as well.
         """
         state, members = self._state, self._state.members
         first = 0 if is_coupled else OBJECT_COLUMNS
@@ -157,15 +170,23 @@ class MeasurementUpdate:
         members.set_poses(poses, first)
         if not is_coupled:
             return
-        update.apply(members.parameters)
-        members.apply_parameters()
+        if tells_of_friction:
+            update.apply(members.parameters)
+            members.apply_parameters()
+        else:
+            errors = members.parameters[:, :ODOMETRY_ERRORS].copy()
+            update.apply(errors)
+            members.parameters[:, :ODOMETRY_ERRORS] = errors
         if state.pose_time is not None:
             members.close_gaps()
 
     def _keep_object_stds(self) -> None:
         """Add errors to the objects where averaging has made them too equal."""
         members = self._state.members
-        stds = members.deviations[OBJECT_COLUMNS:].tolist()
+        deviations = members.deviations[OBJECT_COLUMNS:]
+        if self._state.is_relative:
+            deviations = relative_poses(members.robot_poses, members.object_poses).std(axis=0)
+        stds = deviations.tolist()
         missing = [math.sqrt(max(0.0, min_std ** 2 - std ** 2))
                    for min_std, std in zip(MIN_STDS, stds)]
         if any(missing) and members.contact_ratio == 0.0:
@@ -195,7 +216,10 @@ class MeasurementUpdate:
     def _place_objects(self, measured: ObjectPose) -> None:
         state, members = self._state, self._state.members
         stds = np.sqrt(np.diag(self._noise(measured)))
-        poses = np.array(measured.pose) + stds * state.normal((members.count, POSE))
+        poses = (np.array(measured.relative or measured.pose)
+                 + stds * state.normal((members.count, POSE)))
+        if measured.relative is not None:
+            poses = composed_poses(members.robot_poses, poses)
         members.set_object_poses(poses - state.bias.errors(members.robot_poses, poses))
         members.states[:, _MOTION] = 0.0
         state.outliers = 0
