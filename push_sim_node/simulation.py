@@ -201,6 +201,11 @@ class Simulation:
         """``Truth`` now."""
         return self.plant.truth(self.time)
 
+    @property
+    def is_object_seen(self) -> bool:
+        """Whether the camera sees the object now; without a camera it is always seen."""
+        return self._camera.sees(self.plant.object_pose, self.plant.robot_pose)
+
     def set_sensors(self, sensors: SensorSettings) -> None:
         """Measure with other errors, rates and latency from the next measurements on."""
         self.sensors = sensors

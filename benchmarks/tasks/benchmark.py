@@ -15,9 +15,10 @@ import sys
 from benchmarks.controller.tables import Job, Record
 from benchmarks.tasks.bases import BAD_BASES, compared_jobs, LEARNED, TREATMENTS
 from benchmarks.tasks.cases import (
-    BASE_PARTS, BASES, draw, FLATS, IN_MAPS, jobs, KINDS, OPEN, PARTS, SLOPES, SPATIAL_BASES,
-    STRICT,
+    BASE_PARTS, BASES, draw, EYES_PARTS, FLATS, IN_MAPS, jobs, KINDS, OPEN, OWN_EYES, PARTS,
+    SLOPES, SPATIAL_BASES, SPATIAL_EYES, STRICT,
 )
+from benchmarks.tasks.eyes import ALWAYS_SEEN, EYES, seen_jobs
 from benchmarks.tasks.picture import picture
 from benchmarks.tasks.reference import refer
 from benchmarks.tasks.report import text
@@ -27,14 +28,15 @@ from push_scenario.parallel import ERROR, JobFunction, progress_bar, run_many
 
 DESCRIPTION = 'Benchmark of tasks: how many random goals are reached, how soon.'
 # Number of tasks of each part; those that are not here have 200. Strict: as many for each of two
-# tolerances. Bad bases: twenty with each.
+# tolerances. Bad bases: twenty with each. Eyes: 35 with each.
 COUNTS = {OPEN: 1000, STRICT: 400, FLATS: 100, BASES: 20 * len(BAD_BASES),
-          SPATIAL_BASES: 20 * len(BAD_BASES), SLOPES: 16}
+          SPATIAL_BASES: 20 * len(BAD_BASES), SLOPES: 16, OWN_EYES: 35 * len(EYES),
+          SPATIAL_EYES: 35 * len(EYES)}
 OTHER_COUNT = 200
 # With ``--quick``: on open floor one of each kind; of bad bases one each; few in maps, where
 # planning takes long.
 QUICK_COUNTS = {OPEN: 7, IN_MAPS: 2, FLATS: 2, BASES: len(BAD_BASES),
-                SPATIAL_BASES: len(BAD_BASES)}
+                SPATIAL_BASES: len(BAD_BASES), OWN_EYES: len(EYES), SPATIAL_EYES: len(EYES)}
 OTHER_QUICK_COUNT = 4
 # Exit status after Ctrl-C: 128 + SIGINT, the convention of shells.
 INTERRUPTED = 130
@@ -54,8 +56,9 @@ def options() -> argparse.Namespace:
     parser.add_argument('--workers', type=int, help='processes; default: one per core')
     parser.add_argument('--seed', type=int,
                         help='run this task of the part only, and print what happens')
-    parser.add_argument('--base', choices=TREATMENTS, default=LEARNED,
-                        help='how such a task treats a bad base; default: %(default)s')
+    parser.add_argument('--base', choices=(*TREATMENTS, ALWAYS_SEEN), default=LEARNED,
+                        help='how such a task treats a bad base, or that its object is always '
+                        'seen; default: %(default)s')
     chosen = parser.parse_args()
     chosen.counts = {part: count for part, count in chosen.parts or [] if count is not None}
     if chosen.parts is not None:
@@ -119,6 +122,8 @@ def measure(chosen: argparse.Namespace) -> tuple[list[Job], list[Record]]:
         tasks = jobs(part, count_of(chosen, part), [chosen.kind] if chosen.kind else [])
         if part in BASE_PARTS:
             tasks += compared_jobs(tasks)
+        if part in EYES_PARTS:
+            tasks += seen_jobs(tasks)
         references: list[Record] = [{} for _ in tasks]
         if part == OPEN:
             references = run_jobs(chosen, refer, f'{part}, reference', tasks)

@@ -15,6 +15,7 @@ from benchmarks.controller.tables import Job
 from benchmarks.tasks.bases import (
     bad_base, BAD_BASES, base_jobs, GOOD, LEARNED, NOT_LEARNED, STRIDE,
 )
+from benchmarks.tasks.eyes import ALWAYS_SEEN, EYES, eyes_jobs, eyes_scenario, EYES_STRIDE
 from benchmarks.tasks.intervention import Disturbance, Intervention
 from benchmarks.tasks.maps import (
     draw_floor, FLAT, Floor, inner_reach, MAPS, places, places_in_flat, reach,
@@ -47,17 +48,21 @@ SPATIAL = 'spatial'
 BASES = 'bases'
 SPATIAL_BASES = 'spatial bases'
 SLOPES = 'slopes'
+OWN_EYES = 'eyes'
+SPATIAL_EYES = 'spatial eyes'
 # The order enters the seeds of the draws: append only.
 PARTS = (OPEN, IN_MAPS, DISTURBED, SLIPPERY, CREEPING, FRICTIONLESS, WHEELS, TAG, STRICT,
-         INFORMED, FLATS, SPATIAL, BASES, SPATIAL_BASES, SLOPES)
+         INFORMED, FLATS, SPATIAL, BASES, SPATIAL_BASES, SLOPES, OWN_EYES, SPATIAL_EYES)
 # Parts whose base does not do what it is told.
 BASE_PARTS = (BASES, SPATIAL_BASES)
+# Parts whose object is not always seen.
+EYES_PARTS = (OWN_EYES, SPATIAL_EYES)
 ROBOTS = {'differential': 'disc_017', 'holonomic': 'holonomic_017'}
 OBJECTS = ('box_04', 'carton', 'coffee_table', 'bin')
 # A table that is 0.9 m long cannot be rotated between the walls, and the other engine has only
 # boxes and cylinders; a differential drive cannot hold its contact on a round side.
 FITTING = {part: ('box_04', 'carton', 'bin')
-           for part in (IN_MAPS, FLATS, SPATIAL, SPATIAL_BASES, SLOPES)}
+           for part in (IN_MAPS, FLATS, SPATIAL, SPATIAL_BASES, SLOPES, SPATIAL_EYES)}
 KINDS = {part: tuple(f'{name}, {drive}' for name in FITTING.get(part, OBJECTS) for drive in ROBOTS
                      if (name, drive) != ('bin', 'differential'))
          for part in PARTS}
@@ -84,6 +89,8 @@ SLIPPERY_FRICTION = 0.15, 0.3
 CREEP = 0.02
 # Relative error of the angles that wheels of a wrong track width tell: set for tasks.
 YAW_SCALE = 0.02
+# What happens to objects of the part of disturbances; the others belong to other parts.
+OPEN_DISTURBANCES = (Disturbance.DISPLACED, Disturbance.ROTATED)
 # Poses as a camera sees them on a tag: bias, rate and latency were set for tasks; the heading has
 # a bias of half its tolerance, and one pose in fifty is far off.
 TAG_SENSORS = {'pose_rate': 10.0, 'pose_latency': 0.15, 'pose_bias': 0.03,
@@ -158,6 +165,8 @@ def jobs(part: str, count: int, kinds: Sequence[str] = ()) -> list[Job]:
     kinds = kinds or KINDS[part]
     if part in BASE_PARTS:
         return base_jobs(part, count, kinds)
+    if part in EYES_PARTS:
+        return eyes_jobs(part, count, kinds)
     return [{'part': part, 'kind': kinds[index % len(kinds)], 'seed': index // len(kinds)}
             for index in range(count)]
 
@@ -169,7 +178,8 @@ def draw(part: str, kind: str, seed: int, base: str = LEARNED) -> Case:
     :param part: one of ``PARTS``.
     :param kind: one of the ``KINDS`` of this part.
     :param seed: of all draws.
-    :param base: one of ``TREATMENTS`` of a base, of ``BASE_PARTS`` only.
+    :param base: what the task is compared with: one of ``TREATMENTS`` of a base, of ``BASE_PARTS``
+        only; ``ALWAYS_SEEN``, of ``EYES_PARTS`` only.
     :return: ``Case``.
     """
     if part in (OPEN, IN_MAPS, FLATS, DISTURBED):
@@ -185,6 +195,11 @@ def draw(part: str, kind: str, seed: int, base: str = LEARNED) -> Case:
         case = _draw(OPEN, kind, number)
         case = _spatial(case, rng) if part == SPATIAL_BASES else case
         case = _with_base(case, list(BAD_BASES)[index], base, rng)
+    elif part in EYES_PARTS:
+        number, index = divmod(seed, EYES_STRIDE)
+        case = _draw(OPEN, kind, number)
+        case = _spatial(case, rng) if part == SPATIAL_EYES else case
+        case = _with_eyes(case, list(EYES)[index], base, rng)
     else:
         case = VARIATIONS[part](_draw(OPEN, kind, seed), rng)
     return case._replace(scenario=dataclasses.replace(
@@ -207,7 +222,7 @@ def _draw(part: str, kind: str, seed: int) -> Case:
         start, goal = Pose(0.0, 0.0, 0.0), _goal(rng)
     robot_start = _robot_start(true, robot, start, floor, rng)
     if part == DISTURBED:
-        disturbance = list(Disturbance)[seed % len(Disturbance)]
+        disturbance = OPEN_DISTURBANCES[seed % len(OPEN_DISTURBANCES)]
         variety = disturbance.value
         intervention = Intervention(disturbance, rng.uniform(0.0, LATEST),
                                     rng.uniform(-math.pi, math.pi))
@@ -347,6 +362,19 @@ def _with_base(case: Case, variety: str, base: str, rng: np.random.Generator) ->
         robot=dataclasses.replace(scenario.robot, identify_base=base != NOT_LEARNED),
         true_robot=dataclasses.replace(scenario.true_robot, **true_fields),
         simulation=dataclasses.replace(scenario.simulation, drive=bad.drive)))
+
+
+def _with_eyes(case: Case, variety: str, base: str, rng: np.random.Generator) -> Case:
+    """Let the robot see with other eyes, unless the object is to be seen always."""
+    if base == ALWAYS_SEEN:
+        return case._replace(variety=ALWAYS_SEEN)
+    eyes = EYES[variety]
+    moment, direction = rng.uniform((0.0, -math.pi), (LATEST, math.pi)).tolist()
+    return case._replace(
+        variety=variety, scenario=eyes_scenario(case.scenario, eyes),
+        tolerance=Tolerance(eyes.position_tolerance, eyes.heading_tolerance),
+        intervention=Intervention(Disturbance.CARRIED_AWAY, moment, direction)
+        if eyes.is_moved else None)
 
 
 def _informed(case: Case, _: np.random.Generator) -> Case:

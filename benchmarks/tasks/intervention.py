@@ -11,6 +11,7 @@ from push_sim_node.simulation import Simulation
 
 # Displacement [m] and rotation [rad]; chosen: far beyond what the supervisor tolerates.
 DISPLACEMENT = 0.2
+CARRIED = 0.6
 ROTATION = math.radians(45.0)
 # Number of directions that are tried where the robot stands in the first.
 DIRECTIONS = 8
@@ -21,6 +22,8 @@ class Disturbance(Enum):
 
     DISPLACED = 'displaced by 0.2 m'
     ROTATED = 'rotated by 45 degrees'
+    # While the robot does not see it.
+    CARRIED_AWAY = 'carried away by 0.6 m'
 
 
 class Intervention:
@@ -49,6 +52,8 @@ class Intervention:
         """
         if self.displacement is not None or simulation.time < self._moment:
             return
+        if self._disturbance is Disturbance.CARRIED_AWAY and simulation.is_object_seen:
+            return
         for move in self._displacements():
             try:
                 simulation.plant.set_object_pose(simulation.plant.object_pose @ move)
@@ -64,5 +69,6 @@ class Intervention:
             return [Pose(0.0, 0.0, rotation), Pose(0.0, 0.0, -rotation)]
         angles = [self._direction + 2.0 * math.pi * number / DIRECTIONS
                   for number in range(DIRECTIONS)]
-        return [Pose(DISPLACEMENT * math.cos(angle), DISPLACEMENT * math.sin(angle), 0.0)
+        far = CARRIED if self._disturbance is Disturbance.CARRIED_AWAY else DISPLACEMENT
+        return [Pose(far * math.cos(angle), far * math.sin(angle), 0.0)
                 for angle in angles]

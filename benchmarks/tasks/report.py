@@ -9,8 +9,10 @@ from benchmarks.tasks.aims import aim_table
 from benchmarks.tasks.base_tables import base_table, weight_table
 from benchmarks.tasks.bases import LEARNED, treatment
 from benchmarks.tasks.cases import (
-    BASE_PARTS, BASES, DISTURBED, IN_MAPS, OPEN, PARTS, SPATIAL_BASES, STRICT, WHEELS,
+    BASE_PARTS, BASES, DISTURBED, EYES_PARTS, IN_MAPS, OPEN, OWN_EYES, PARTS, SPATIAL_BASES,
+    SPATIAL_EYES, STRICT, WHEELS,
 )
+from benchmarks.tasks.eyes_tables import eyes_table
 from benchmarks.tasks.groups import (
     Group, grouped_parts, kind, variety, with_informed_times,
 )
@@ -23,7 +25,7 @@ TEXT = Path(__file__).with_name('tasks.md.in')
 NOT_MEASURED = 'Not measured in this run.'
 # Variations of the tasks on open floor.
 VARIED = tuple(part for part in PARTS
-               if part not in (OPEN, IN_MAPS, DISTURBED, *BASE_PARTS))
+               if part not in (OPEN, IN_MAPS, DISTURBED, *BASE_PARTS, *EYES_PARTS))
 
 
 def text(jobs: Sequence[Job], records: Sequence[Record]) -> str:
@@ -51,6 +53,7 @@ def text(jobs: Sequence[Job], records: Sequence[Record]) -> str:
         CLEARANCES=collision_table(mapped) if mapped else NOT_MEASURED,
         DISTURBED=success_table(disturbed) if disturbed else NOT_MEASURED,
         BASES=_bases(all_pairs, BASES), SPATIALBASES=_bases(all_pairs, SPATIAL_BASES),
+        EYES=_eyes(all_pairs, OWN_EYES), SPATIALEYES=_eyes(all_pairs, SPATIAL_EYES),
         FAILURES=failure_table(pairs), RECOVERIES=recovery_table(pairs))
 
 
@@ -62,6 +65,12 @@ def _bases(pairs: Sequence[Pair], part: str) -> str:
     if not any(job['part'] == part for job, _ in pairs):
         return NOT_MEASURED
     return f'{base_table(pairs, part)}\n\n{weight_table(pairs, part)}'
+
+
+def _eyes(pairs: Sequence[Pair], part: str) -> str:
+    if not any(job['part'] == part for job, _ in pairs):
+        return NOT_MEASURED
+    return eyes_table(pairs, part)
 
 
 def _varied(pairs: Sequence[Pair]) -> str:

@@ -11,9 +11,12 @@ from benchmarks.tasks.bases import (
 )
 from benchmarks.tasks.bound import contact_path_bound, gap, least_time
 from benchmarks.tasks.cases import (
-    BASE_PARTS, BASES, CREEPING, DISTURBED, draw, FRICTIONLESS, IN_MAPS, INFORMED, jobs, KINDS,
-    MAX_SLOPE, OPEN, PARTS, SLIPPERY, SLOPES, SPATIAL, STRICT, TAG, Tolerance, WHEELS,
+    BASE_PARTS, BASES, CREEPING, DISTURBED, draw, EYES_PARTS, FRICTIONLESS, IN_MAPS, INFORMED,
+    jobs, KINDS, MAX_SLOPE, OPEN, OWN_EYES, PARTS, SLIPPERY, SLOPES, SPATIAL, STRICT, TAG,
+    Tolerance, WHEELS,
 )
+from benchmarks.tasks.eyes import ALWAYS_SEEN, EYES, EYES_STRIDE, eyes_task, seen_jobs
+from benchmarks.tasks.eyes_tables import eyes_table
 from benchmarks.tasks.groups import (
     faults_of, grouped, grouped_parts, kind, with_informed_times, without_numbers,
 )
@@ -125,6 +128,8 @@ def test_a_task_is_drawn_from_its_seed_alone(part):
     varieties = {IN_MAPS: 3, DISTURBED: 2, WHEELS: 2, STRICT: 2}
     if part in BASE_PARTS:
         varieties[part] = min(len(BAD_BASES), 3 * len(KINDS[part]))
+    if part in EYES_PARTS:
+        varieties[part] = min(len(EYES), 3 * len(KINDS[part]))
     assert len({case.variety for case in drawn.values()}) == varieties.get(part, 1)
 
 
@@ -163,6 +168,40 @@ def test_every_bad_base_comes_equally_often_with_the_same_tasks(part):
     assert [len(found) for found in tasks.values()] == [9] * 3 + [8] * (len(BAD_BASES) - 3)
     assert all(found[:8] == tasks[DRAWN] for found in tasks.values())
     assert {kind for _, kind, _ in tasks[DRAWN]} == set(KINDS[part])
+
+
+@pytest.mark.parametrize('part', EYES_PARTS)
+def test_all_eyes_get_the_same_tasks_and_each_of_these_is_compared_once(part):
+    """With the object always seen the task is that on open floor, but for who moves it."""
+    chosen = jobs(part, 4 * len(EYES))
+    assert [draw(**job).variety for job in chosen] == 4 * list(EYES)
+    compared = seen_jobs(chosen)
+    assert {eyes_task(job) for job in chosen} == {eyes_task(job) for job in compared}
+    assert len(compared) == 4
+    for job in compared:
+        number = job['seed'] // EYES_STRIDE
+        seen, plain = draw(**job).scenario, draw(OPEN, job['kind'], number).scenario
+        same = 'start', 'goal', 'sensors', 'control', 'task'
+        assert part != OWN_EYES or all(getattr(seen, name) == getattr(plain, name)
+                                       for name in same)
+
+
+def test_who_says_done_too_early_or_is_slow_stands_out_in_the_table_of_eyes():
+    """Rates, false claims and ratios of times are those of the records."""
+    name = list(EYES)[0]
+    made = [({'part': OWN_EYES, 'kind': KINDS[OWN_EYES][0], 'seed': EYES_STRIDE * number},
+             {'variety': name, 'success': number > 0, 'outcome': 'done', 'duration': 45.0,
+              'position_error': 0.02, 'heading_error': 0.01, 'pushes': 3})
+            for number in range(4)]
+    made += [({**job, 'base': ALWAYS_SEEN},
+              {**record, 'variety': ALWAYS_SEEN, 'success': True, 'duration': 30.0})
+             for job, record in made]
+    head, _, row = eyes_table(made, OWN_EYES).splitlines()
+    cells = dict(zip(head.split(' | '), row.split(' | ')))
+    assert cells['done and true'].startswith('**3 of 4') and cells['says done'] == '4'
+    assert cells['says done and is not'] == '1'
+    assert cells['time over always seen, median'] == '**1.50**'
+    assert cells['mm; deg, median, of those that say done'] == '20; 0.6'
 
 
 def test_nothing_of_a_bad_base_is_stated():
@@ -261,16 +300,22 @@ def test_the_intervention_waits_until_the_robot_is_clear(disturbance):
     plant = SimpleNamespace(set_object_pose=set_object_pose, object_pose=START)
     supervisor = SimpleNamespace(status=SimpleNamespace(state=TaskState.PUSH))
     intervention = Intervention(disturbance, 2.0, -1.0)
-    for time in (1.0, 3.0):
-        intervention(SimpleNamespace(time=time, plant=plant), supervisor)
+    unseen = disturbance is Disturbance.CARRIED_AWAY
+    for time, is_seen in ((1.0, False), (3.0, unseen)):
+        intervention(SimpleNamespace(time=time, plant=plant, is_object_seen=is_seen), supervisor)
     assert intervention.displacement is None
     barred[0] = False
+    if unseen:
+        intervention(SimpleNamespace(time=3.5, plant=plant, is_object_seen=True), supervisor)
+        assert intervention.displacement is None
     for time in (4.0, 5.0):
-        intervention(SimpleNamespace(time=time, plant=plant), supervisor)
+        intervention(SimpleNamespace(time=time, plant=plant, is_object_seen=not unseen),
+                     supervisor)
     moved = START.inverse() @ puts[0]
     assert len(puts) == 1
     assert intervention.displacement.time == 4.0 and intervention.state == 'push'
-    expected = (0.2, 0.0) if disturbance is Disturbance.DISPLACED else (0.0, -math.radians(45.0))
+    expected = {Disturbance.DISPLACED: (0.2, 0.0), Disturbance.CARRIED_AWAY: (0.6, 0.0),
+                Disturbance.ROTATED: (0.0, -math.radians(45.0))}[disturbance]
     assert (math.hypot(moved.x, moved.y), moved.theta) == pytest.approx(expected, abs=1e-12)
 
 
