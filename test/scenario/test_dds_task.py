@@ -115,3 +115,11 @@ def test_in_a_map_nothing_is_touched(tmp_path):
     assert result.pushes == 1
     assert result.tape['robot_x'][0] > 0.0 > result.tape['robot_x'][-1]
     assert measure(result).within_map
+
+
+def test_an_object_that_is_not_seen_from_nearby_arrives(tmp_path):
+    """Every push begins within the gap at which poses come no more, and is followed by a look."""
+    result = run_over_dds(scenario('task_near'), None, tmp_path, record=False)
+    assert result.outcome is Outcome.DONE and is_as_expected(result)
+    states = [change.state for change in result.history]
+    assert states.count(TaskState.LOOK) >= states.count(TaskState.PUSH) == result.pushes
