@@ -123,3 +123,11 @@ def test_an_object_that_is_not_seen_from_nearby_arrives(tmp_path):
     assert result.outcome is Outcome.DONE and is_as_expected(result)
     states = [change.state for change in result.history]
     assert states.count(TaskState.LOOK) >= states.count(TaskState.PUSH) == result.pushes
+
+
+def test_a_camera_on_the_robot_finds_the_object_and_brings_it_to_its_goal(tmp_path):
+    """The object is behind the robot at first; its poses are relative to the robot."""
+    result = run_over_dds(scenario('task_own_camera'), None, tmp_path, record=False)
+    assert result.outcome is Outcome.DONE and is_as_expected(result)
+    states = [change.state for change in result.history]
+    assert states.index(TaskState.LOOK) < states.index(TaskState.APPROACH)
