@@ -30,6 +30,7 @@ Arguments = Mapping[str, str]
 # Arguments that name topics, and what these carry.
 TOPICS = {
     'odom': 'nav_msgs/Odometry of the robot',
+    'robot_pose': 'geometry_msgs/PoseStamped of a rigid body on the robot, for mocap',
     'object_pose': 'geometry_msgs/PoseStamped or PoseWithCovarianceStamped of the object',
     'goal_pose': 'geometry_msgs/PoseStamped, goal pose of the object',
     'cmd_vel': 'velocity command for the robot',
@@ -57,6 +58,8 @@ ARGUMENTS = {
     'clock': ('/clock', None, 'topic of the clock, where use_sim_time is true'),
     'tracker': ('', None, 'file of parameters for tf_tracker, which is then started: it makes '
                 'object_pose of transforms of tags, or of motion capture'),
+    'mocap': ('', None, 'file of parameters for mocap_odometry, which is then started: it makes odom '
+              'of the poses of a rigid body on the robot'),
     'object_pose_with_covariance': ('', SWITCH, 'object_pose is PoseWithCovarianceStamped, else '
                                     'PoseStamped; with tracker it is'),
     'simulation': ('false', BOOLEAN,
@@ -105,7 +108,7 @@ def make_nodes(context: LaunchContext) -> list[Action]:
     if given['map']:
         controller['map_required'] = True
     return [
-        *simulator(given, common), *tracker(given, options, poses),
+        *simulator(given, common), *tracker(given, options, poses), *mocap(given, options),
         push_node('planner', common, {**planner, **poses}),
         push_node('controller', common, {**controller, **poses}), *map_server(given),
         *recording(given), *rviz(given, common),
@@ -176,10 +179,11 @@ def object_poses(given: Arguments) -> dict[str, bool | None]:
     if given['tracker']:
         poses = {'object_pose_with_covariance': True, **poses}
     if switch('simulation', given['simulation']):
-        for name in ('tracker', 'object_pose_with_covariance'):
+        for name in ('tracker', 'mocap', 'object_pose_with_covariance'):
             if given[name] not in ('', 'false', 'False'):
                 raise ValueError(f'{name}: got {given[name]!r} with the simulator, which '
-                                 'publishes object_pose itself, as PoseStamped; expected none')
+                                 'publishes odom and object_pose itself, as PoseStamped; '
+                                 'expected none')
     return poses
 
 
@@ -191,6 +195,16 @@ def tracker(given: Arguments, options: dict[str, Any], poses: dict[str, bool | N
     sections = launch_parameters(given['tracker'], argument='tracker')
     file = write_parameters(sections, launch_config.log_dir)
     return [push_node('tf_tracker', {**options, 'parameters': [file]}, poses, name='push_tracker')]
+
+
+def mocap(given: Arguments, options: dict[str, Any]) -> list[Action]:
+    """Make the odometry of motion capture for a parameter file."""
+    if not given['mocap']:
+        return []
+    sections = launch_parameters(given['mocap'], argument='mocap')
+    file = write_parameters(sections, launch_config.log_dir)
+    return [push_node('mocap_odometry', {**options, 'parameters': [file]}, {},
+                      name='mocap_odometry')]
 
 
 def is_installed(package: str) -> bool:

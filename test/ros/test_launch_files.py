@@ -15,7 +15,7 @@ pytestmark = [pytest.mark.dds, pytest.mark.slow]
 ARGUMENTS = {'namespace', 'params_file', 'use_sim_time', 'log_level', 'object', 'robot', 'task',
              'map', 'autostart', 'rviz', 'record', 'respawn', 'wait_for_start',
              'enable_stamped_cmd_vel', 'odom', 'object_pose', 'goal_pose', 'cmd_vel', 'tracker',
-             'object_pose_with_covariance'}
+             'mocap', 'robot_pose', 'object_pose_with_covariance'}
 
 
 @pytest.fixture
@@ -65,7 +65,9 @@ def test_where_one_node_ends_all_end(launched):
     (['map:=/no/map.yaml'], 'map: got'),
     (['params_file:=/no.yaml'], "params_file: got '/no.yaml'"),
     (['tracker:=/no/tags.yaml'], "tracker: got '/no/tags.yaml'"),
-    (['tracker:=tags.yaml', 'simulation:=true'], 'tracker: got')])
+    (['tracker:=tags.yaml', 'simulation:=true'], 'tracker: got'),
+    (['mocap:=/no/mocap.yaml'], "mocap: got '/no/mocap.yaml'"),
+    (['mocap:=mocap.yaml', 'simulation:=true'], 'mocap: got')])
 def test_a_wrong_argument_is_an_error_before_anything_is_started(launched, arguments, text):
     process, path = launched.start('robot', *arguments)
     assert process.wait(TIMEOUT) == 1
