@@ -58,8 +58,8 @@ ARGUMENTS = {
     'clock': ('/clock', None, 'topic of the clock, where use_sim_time is true'),
     'tracker': ('', None, 'file of parameters for tf_tracker, which is then started: it makes '
                 'object_pose of transforms of tags, or of motion capture'),
-    'mocap': ('', None, 'file of parameters for mocap_odometry, which is then started: it makes odom '
-              'of the poses of a rigid body on the robot'),
+    'mocap': ('', None, 'file of parameters for mocap_odometry, which is then started: it makes '
+              'odom of the poses of a rigid body on the robot'),
     'object_pose_with_covariance': ('', SWITCH, 'object_pose is PoseWithCovarianceStamped, else '
                                     'PoseStamped; with tracker it is'),
     'simulation': ('false', BOOLEAN,
