@@ -2,7 +2,6 @@
 
 import dataclasses
 import functools
-from importlib import util
 import math
 from typing import Any, Mapping, NamedTuple, Optional
 
@@ -11,6 +10,7 @@ from push_model.contact import (
 from push_model.dynamics import ObjectTerms
 from push_model.friction import check_tipping
 from push_model.geometry import Coordinates, Pose, wrap_angle
+from push_model.optional import is_casadi_installed
 from push_model.parameters import Contact, PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure
 from push_model.quasi_static import pushed_friction_center, Vehicle, vehicle
@@ -45,18 +45,13 @@ class PlanningFailed(Exception):
         return type(self), (self.code, self.reason, self.report)
 
 
-def is_solver_installed() -> bool:
-    """Tell whether steered pushes can be planned: their solvers come with casadi."""
-    return util.find_spec('casadi') is not None
-
-
 def check_solver() -> None:
     """
     Refuse a steered push where it cannot be planned.
 
     :raises PlanningFailed: with ``NO_SOLVER``.
     """
-    if not is_solver_installed():
+    if not is_casadi_installed():
         raise PlanningFailed(PlanFailure.NO_SOLVER,
                              f'{PlanFailure.NO_SOLVER.value}: pip install casadi')
 

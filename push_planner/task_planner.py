@@ -5,11 +5,12 @@ Straight pushes do a task on open floor and in maps. Where none is possible on o
 steered push leads to the goal, from the contact site from which it is there first.
 """
 
+from push_model.optional import is_casadi_installed
 from push_model.parameters import RoundRobot
 from push_model.plan_request import PlanFailure, PlanRequest
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.settings import DriveSettings
-from push_planner.problem import is_solver_installed, PlanningFailed
+from push_planner.problem import PlanningFailed
 from push_planner.settings import PlannerSettings
 from push_planner.straight.map_search.planner import plan_push_in_map
 from push_planner.straight.map_search.remaining_pushes import RemainingPushes
@@ -37,7 +38,7 @@ def plan_for_request(request: PlanRequest, robot: RoundRobot, settings: PlannerS
     except PlanningFailed as failure:
         if failure.code is not PlanFailure.NO_FEASIBLE_SITE:
             raise
-        if not is_solver_installed():
+        if not is_casadi_installed():
             reason = f'{failure.reason}; {PlanFailure.NO_SOLVER.value}'
             raise PlanningFailed(failure.code, reason) from None
     # Imported here: straight pushes need no casadi.

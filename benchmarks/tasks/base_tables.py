@@ -3,8 +3,9 @@
 from typing import Any, Sequence
 
 from benchmarks.controller.tables import ALL, Pair, spread, table, wilson
-from benchmarks.tasks.bases import BAD_BASES, GOOD, LEARNED, NOT_LEARNED, task_key, treatment
+from benchmarks.tasks.bases import BAD_BASES, GOOD, LEARNED, NOT_LEARNED, treatment
 from benchmarks.tasks.groups import Group, grouped, variety
+from benchmarks.tasks.varieties import task_key
 import numpy as np
 
 # Least part of the objects that are too heavy which is called so [%], and time from the first

@@ -9,6 +9,7 @@ import math
 from typing import Any, Mapping, NamedTuple, Sequence
 
 from benchmarks.controller.tables import Job
+from benchmarks.tasks.varieties import task_key
 import numpy as np
 from push_sim_node.drive_imperfections import DriveImperfections, SpeedFactor
 
@@ -17,9 +18,6 @@ LEARNED = 'learned'
 NOT_LEARNED = 'nothing learned'
 GOOD = 'good base'
 TREATMENTS = (LEARNED, NOT_LEARNED, GOOD)
-# Seeds of these tasks are the number of the task times this, and the index of the base: chosen,
-# more than there are bases, so that tasks stay the same if some are appended.
-STRIDE = 100
 
 
 class BadBase(NamedTuple):
@@ -101,43 +99,17 @@ def bad_base(variety: str, rng: np.random.Generator) -> BadBase:
         output_min_speed=speed, output_min_yaw_rate=yaw_rate))
 
 
-def base_jobs(part: str, count: int, kinds: Sequence[str]) -> list[Job]:
-    """
-    List the tasks of a part, one base after the other; all bases get the same tasks.
-
-    :param part: of the bases.
-    :param count: number of tasks.
-    :param kinds: objects and drives.
-    :return: keyword arguments of ``benchmarks.tasks.cases.draw``.
-    """
-    jobs: list[Job] = []
-    for index in range(count):
-        number, base = divmod(index, len(BAD_BASES))
-        jobs.append({'part': part, 'kind': kinds[number % len(kinds)],
-                     'seed': STRIDE * (number // len(kinds)) + base})
-    return jobs
-
-
 def compared_jobs(jobs: Sequence[Job]) -> list[Job]:
     """
     List what tasks are compared with: nothing learned in each of them, and good bases.
 
-    :param jobs: of ``base_jobs``.
+    :param jobs: of ``varied_jobs``.
     """
     good: dict[tuple[str, str, int], Job] = {}
     for job in jobs:
         key = part, kind, seed = task_key(job)
         good.setdefault(key, {'part': part, 'kind': kind, 'seed': seed, 'base': GOOD})
     return [*({**job, 'base': NOT_LEARNED} for job in jobs), *good.values()]
-
-
-def task_key(job: Job) -> tuple[str, str, int]:
-    """
-    Identify the task of a job, whatever its base: part, kind, and seed for the first base.
-
-    :param job: of ``base_jobs`` or ``compared_jobs``.
-    """
-    return job['part'], job['kind'], job['seed'] - job['seed'] % STRIDE
 
 
 def treatment(job: dict[str, Any]) -> str:

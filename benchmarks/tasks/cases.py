@@ -12,14 +12,13 @@ from typing import Any, Callable, NamedTuple, Optional, Sequence
 
 from benchmarks.controller.cases import objects, SENSORS, STRESSES
 from benchmarks.controller.tables import Job
-from benchmarks.tasks.bases import (
-    bad_base, BAD_BASES, base_jobs, GOOD, LEARNED, NOT_LEARNED, STRIDE,
-)
-from benchmarks.tasks.eyes import ALWAYS_SEEN, EYES, eyes_jobs, eyes_scenario, EYES_STRIDE
+from benchmarks.tasks.bases import bad_base, BAD_BASES, GOOD, LEARNED, NOT_LEARNED
+from benchmarks.tasks.eyes import ALWAYS_SEEN, EYES, eyes_scenario
 from benchmarks.tasks.intervention import Disturbance, Intervention
 from benchmarks.tasks.maps import (
     draw_floor, FLAT, Floor, inner_reach, MAPS, places, places_in_flat, reach,
 )
+from benchmarks.tasks.varieties import STRIDE, varied_jobs
 import numpy as np
 from push_model.contact import find_contact
 from push_model.files import data
@@ -164,9 +163,9 @@ def jobs(part: str, count: int, kinds: Sequence[str] = ()) -> list[Job]:
     """
     kinds = kinds or KINDS[part]
     if part in BASE_PARTS:
-        return base_jobs(part, count, kinds)
+        return varied_jobs(part, count, kinds, len(BAD_BASES))
     if part in EYES_PARTS:
-        return eyes_jobs(part, count, kinds)
+        return varied_jobs(part, count, kinds, len(EYES))
     return [{'part': part, 'kind': kinds[index % len(kinds)], 'seed': index // len(kinds)}
             for index in range(count)]
 
@@ -196,7 +195,7 @@ def draw(part: str, kind: str, seed: int, base: str = LEARNED) -> Case:
         case = _spatial(case, rng) if part == SPATIAL_BASES else case
         case = _with_base(case, list(BAD_BASES)[index], base, rng)
     elif part in EYES_PARTS:
-        number, index = divmod(seed, EYES_STRIDE)
+        number, index = divmod(seed, STRIDE)
         case = _draw(OPEN, kind, number)
         case = _spatial(case, rng) if part == SPATIAL_EYES else case
         case = _with_eyes(case, list(EYES)[index], base, rng)

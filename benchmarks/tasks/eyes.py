@@ -9,15 +9,13 @@ import math
 from typing import Any, Mapping, NamedTuple, Sequence
 
 from benchmarks.controller.tables import Job
+from benchmarks.tasks.varieties import task_key
 from push_scenario.definition.expected_poses import with_sensors
 from push_scenario.definition.scenario import Scenario
 from push_sim_node.camera import CameraSettings
 
 # How a task is compared: with the object always seen.
 ALWAYS_SEEN = 'always seen'
-# Seeds of these tasks are the number of the task times this, and the index of the eyes: chosen,
-# more than there are eyes, so that tasks stay the same if some are appended.
-EYES_STRIDE = 100
 # Radius of the robots of tasks [m].
 RADIUS = 0.17
 OWN_CAMERA = CameraSettings(
@@ -104,37 +102,11 @@ def eyes_scenario(scenario: Scenario, eyes: Eyes) -> Scenario:
             heading_tolerance=eyes.heading_tolerance)))
 
 
-def eyes_jobs(part: str, count: int, kinds: Sequence[str]) -> list[Job]:
-    """
-    List the tasks of a part, one after the other; all eyes get the same tasks.
-
-    :param part: of the eyes.
-    :param count: number of tasks.
-    :param kinds: objects and drives.
-    :return: keyword arguments of ``benchmarks.tasks.cases.draw``.
-    """
-    jobs: list[Job] = []
-    for index in range(count):
-        number, eyes = divmod(index, len(EYES))
-        jobs.append({'part': part, 'kind': kinds[number % len(kinds)],
-                     'seed': EYES_STRIDE * (number // len(kinds)) + eyes})
-    return jobs
-
-
 def seen_jobs(jobs: Sequence[Job]) -> list[Job]:
     """
     List what tasks are compared with: each of them once, always seen.
 
-    :param jobs: of ``eyes_jobs``.
+    :param jobs: of ``varied_jobs``.
     """
     return [{'part': part, 'kind': kind, 'seed': seed, 'base': ALWAYS_SEEN}
-            for part, kind, seed in dict.fromkeys(map(eyes_task, jobs))]
-
-
-def eyes_task(job: Job) -> tuple[str, str, int]:
-    """
-    Identify the task of a job, whatever the eyes: part, kind, and seed for the first of them.
-
-    :param job: of ``eyes_jobs`` or ``seen_jobs``.
-    """
-    return job['part'], job['kind'], job['seed'] - job['seed'] % EYES_STRIDE
+            for part, kind, seed in dict.fromkeys(map(task_key, jobs))]

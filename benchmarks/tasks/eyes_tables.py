@@ -3,8 +3,9 @@
 from typing import Any, Sequence
 
 from benchmarks.controller.tables import Pair, spread, table, wilson
-from benchmarks.tasks.eyes import ALWAYS_SEEN, EYES, eyes_task
+from benchmarks.tasks.eyes import ALWAYS_SEEN, EYES
 from benchmarks.tasks.groups import Group, grouped, variety
+from benchmarks.tasks.varieties import task_key
 import numpy as np
 
 
@@ -15,9 +16,9 @@ def eyes_table(pairs: Sequence[Pair], part: str) -> str:
     :param pairs: (job, record) of all tasks, those that are compared too.
     :param part: of the eyes.
     """
-    seen = {eyes_task(job): record['duration'] for job, record in pairs
+    seen = {task_key(job): record['duration'] for job, record in pairs
             if job['part'] == part and job.get('base') == ALWAYS_SEEN and record['success']}
-    compared = [(job, {**record, 'seen': seen.get(eyes_task(job), 0.0)}) for job, record in pairs
+    compared = [(job, {**record, 'seen': seen.get(task_key(job), 0.0)}) for job, record in pairs
                 if job['part'] == part and job.get('base') != ALWAYS_SEEN]
     rows: list[Sequence[Any]] = []
     for group in grouped(compared, part, variety)[1:]:

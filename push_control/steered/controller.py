@@ -1,6 +1,5 @@
 """The controller of a push: which phase it is in, and whether the robot may move."""
 
-from importlib import util
 import math
 from typing import NamedTuple
 
@@ -16,6 +15,7 @@ from push_control.steered.start import start_fault
 from push_control.steered.status import ControllerStatus, Phase
 from push_model.events import EventReport, PushEvent
 from push_model.observation import Observation
+from push_model.optional import is_casadi_installed
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import STOP, Twist
 from push_model.trajectory import PushTrajectory
@@ -272,7 +272,7 @@ def make_steering_law(robot: RoundRobot, settings: ControlSettings) -> SteeringL
     :return: ``SteeringLaw``; None for open loop.
     """
     if settings.control_law == 'mpc':
-        if util.find_spec('casadi') is None:
+        if not is_casadi_installed():
             raise ValueError("control_law: got 'mpc', which needs casadi, expected 'feedback' or "
                              "'open_loop' where that is not installed")
         # Imported here: the other laws need neither casadi nor scipy.

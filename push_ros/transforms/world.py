@@ -211,7 +211,7 @@ class WorldFrame:
     def _hand_on(self, waiting: _Waiting, now: float) -> bool:
         """Hand a message to its node, or refuse it; return False where it has to wait."""
         topic, message, handlers, deadline, is_refused = waiting
-        if self._hand_on_relative(topic, message, handlers):
+        if self._hand_on_relative(waiting):
             return True
         try:
             transform = self._look_up(message, handlers, is_late=now >= deadline)
@@ -223,10 +223,8 @@ class WorldFrame:
             if handlers.is_latched:
                 self._waiting.append(waiting._replace(is_refused=True))
             return True
-        try:
-            in_world = transformed(message, transform, self._frame, topic)
-        except MessageRefused as error:
-            handlers.refuse(error, message)
+        in_world = _transformed_or_refused(waiting, transform, self._frame)
+        if in_world is None:
             return True
         self._release(handlers)
         handlers.accept(in_world)
@@ -235,19 +233,17 @@ class WorldFrame:
             self._anchors[handlers.move] = _Anchor(frame, transform.planar)
         return True
 
-    def _hand_on_relative(self, topic: str, message: Any, handlers: Handlers) -> bool:
+    def _hand_on_relative(self, waiting: _Waiting) -> bool:
         """Hand on a message of a frame that is fixed to the robot; return False for others."""
-        if self._base_frame is None or handlers.accept_relative is None:
+        accept = waiting.handlers.accept_relative
+        if self._base_frame is None or accept is None:
             return False
-        transform = self._buffer.rigid(self._base_frame, message.header.frame_id)
+        transform = self._buffer.rigid(self._base_frame, waiting.message.header.frame_id)
         if transform is None:
             return False
-        try:
-            relative = transformed(message, transform, self._base_frame, topic)
-        except MessageRefused as error:
-            handlers.refuse(error, message)
-            return True
-        handlers.accept_relative(relative)
+        relative = _transformed_or_refused(waiting, transform, self._base_frame)
+        if relative is not None:
+            accept(relative)
         return True
 
     def _release(self, handlers: Handlers) -> None:
@@ -281,3 +277,12 @@ class WorldFrame:
         return MessageRefused(
             f'{topic}: got frame {header.frame_id!r}, expected {self._frame!r} or a frame with a '
             f'transform to it at {seconds(header.stamp):.3f} s: {reason}')
+
+
+def _transformed_or_refused(waiting: _Waiting, transform: RigidTransform, frame: str) -> Any:
+    """Bring a message to a frame; None where that is refused, as its handlers are told."""
+    try:
+        return transformed(waiting.message, transform, frame, waiting.topic)
+    except MessageRefused as error:
+        waiting.handlers.refuse(error, waiting.message)
+        return None

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 from benchmarks.controller.tables import ALL
 from benchmarks.tasks.aims import aim_table, aims
 from benchmarks.tasks.bases import (
-    BAD_BASES, compared_jobs, DRAWN, GOOD, NOT_LEARNED, task_key, treatment,
+    BAD_BASES, compared_jobs, DRAWN, GOOD, NOT_LEARNED, treatment,
 )
 from benchmarks.tasks.bound import contact_path_bound, gap, least_time
 from benchmarks.tasks.cases import (
@@ -15,7 +15,7 @@ from benchmarks.tasks.cases import (
     jobs, KINDS, MAX_SLOPE, OPEN, OWN_EYES, PARTS, SLIPPERY, SLOPES, SPATIAL, STRICT, TAG,
     Tolerance, WHEELS,
 )
-from benchmarks.tasks.eyes import ALWAYS_SEEN, EYES, EYES_STRIDE, eyes_task, seen_jobs
+from benchmarks.tasks.eyes import ALWAYS_SEEN, EYES, seen_jobs
 from benchmarks.tasks.eyes_tables import eyes_table
 from benchmarks.tasks.groups import (
     faults_of, grouped, grouped_parts, kind, with_informed_times, without_numbers,
@@ -24,6 +24,7 @@ from benchmarks.tasks.intervention import Disturbance, Intervention
 from benchmarks.tasks.maps import (
     draw_floor, MAPS, object_clearance, robot_clearance, to_rectangles,
 )
+from benchmarks.tasks.varieties import STRIDE, task_key
 from helpers.objects import box
 from helpers.push_problems import HOLONOMIC
 import numpy as np
@@ -176,10 +177,10 @@ def test_all_eyes_get_the_same_tasks_and_each_of_these_is_compared_once(part):
     chosen = jobs(part, 4 * len(EYES))
     assert [draw(**job).variety for job in chosen] == 4 * list(EYES)
     compared = seen_jobs(chosen)
-    assert {eyes_task(job) for job in chosen} == {eyes_task(job) for job in compared}
+    assert {task_key(job) for job in chosen} == {task_key(job) for job in compared}
     assert len(compared) == 4
     for job in compared:
-        number = job['seed'] // EYES_STRIDE
+        number = job['seed'] // STRIDE
         seen, plain = draw(**job).scenario, draw(OPEN, job['kind'], number).scenario
         same = 'start', 'goal', 'sensors', 'control', 'task'
         assert part != OWN_EYES or all(getattr(seen, name) == getattr(plain, name)
@@ -189,7 +190,7 @@ def test_all_eyes_get_the_same_tasks_and_each_of_these_is_compared_once(part):
 def test_who_says_done_too_early_or_is_slow_stands_out_in_the_table_of_eyes():
     """Rates, false claims and ratios of times are those of the records."""
     name = list(EYES)[0]
-    made = [({'part': OWN_EYES, 'kind': KINDS[OWN_EYES][0], 'seed': EYES_STRIDE * number},
+    made = [({'part': OWN_EYES, 'kind': KINDS[OWN_EYES][0], 'seed': STRIDE * number},
              {'variety': name, 'success': number > 0, 'outcome': 'done', 'duration': 45.0,
               'position_error': 0.02, 'heading_error': 0.01, 'pushes': 3})
             for number in range(4)]
