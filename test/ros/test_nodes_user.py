@@ -178,12 +178,12 @@ def test_diagnostics_are_for_people_and_programs(setup):
     """Values have units in their names; stamps are fresh, and levels fit."""
     push(setup)
 
-    def of_push():
-        return [status for status in setup.statuses() if 'task: push' in status.message]
-    # The change of state is reported before the first step of the push, which knows its error.
-    setup.measure_until(lambda: any(float(status_values(status)['push.position_error']) > 0.5
-                                    for status in of_push()))
-    first = of_push()[0]
+    def driven():
+        """List the reports of steps, which know their error; a change of state may come first."""
+        return [status for status in setup.statuses() if status.message == 'task: push'
+                and float(status_values(status)['push.position_error']) > 0.5]
+    setup.measure_until(driven)
+    first = driven()[0]
     assert first.level == OK
     assert 'push.position_error [m]' in {item.key for item in first.values}
     assert abs(seconds(setup.b.received['diagnostics'][-1].header.stamp) - time.time()) < 500.0
