@@ -117,12 +117,13 @@ class ControllerNode(ManagedNode):
 
         The rehearsal compiles what a push needs: an active controller is never deaf for that.
 
-        :raises ValueError: where ``knowledge_file`` cannot be read, or there is no
-            ``object_folder``.
+        :raises ValueError: where ``knowledge_file`` cannot be read, there is no
+            ``object_folder``, or a collision monitor cannot be asked to ignore the object.
         """
         self._catalogue.check_folder()
-        self._controller = ActiveController(self, self._present_parameters, self._world,
-                                            self._catalogue)
+        parameters = self._present_parameters
+        parameters.check()
+        self._controller = ActiveController(self, parameters, self._world, self._catalogue)
         self._controller.pursuit.rehearse()
 
     def activate(self) -> None:

@@ -114,6 +114,38 @@ class BaseSettings:
 
 
 @dataclasses.dataclass(frozen=True)
+class MonitorSource:
+    """A sensor of the collision monitor that sees the pushed object."""
+
+    name: str = quantity('source of the collision monitor, one of its observation_sources')
+
+    def __post_init__(self):
+        """Validate the fields."""
+        check(self)
+        if not self.name:
+            raise ValueError('MonitorSource.name: got an empty text, expected the name of a '
+                             'source')
+
+
+@dataclasses.dataclass(frozen=True)
+class CollisionMonitorSettings:
+    """Where Nav2's collision monitor ignores the object while it is pushed."""
+
+    node: str = quantity('collision monitor that is to ignore the object while a goal is pursued; '
+                         'empty: none', default='')
+    sources: tuple[MonitorSource, ...] = quantity('its sources that see the object', default=())
+    margin: float = quantity('width of the ignored strip around the outline of the object', 'm',
+                             0.0, 0.5, default=0.05)
+
+    def __post_init__(self):
+        """Validate the fields."""
+        check(self)
+        if self.node and not self.sources:
+            raise ValueError(f'CollisionMonitorSettings.sources: got none, expected those of '
+                             f'{self.node} that see the object')
+
+
+@dataclasses.dataclass(frozen=True)
 class TrackerOptions:
     """How the tracker's node behaves."""
 

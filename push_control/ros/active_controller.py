@@ -14,6 +14,7 @@ from push_control.perception.view import View
 from push_control.ros.base_check import BaseCheck, BaseFault
 from push_control.ros.command_gate import CommandGate
 from push_control.ros.commands import CommandPublisher
+from push_control.ros.exclusion_zones import ExclusionZones
 from push_control.ros.goal_entry import GoalEntry
 from push_control.ros.measurements import LatestMeasurements, OdometryState
 from push_control.ros.objects.catalogue import ObjectCatalogue
@@ -58,7 +59,8 @@ class ActiveController:
         Make the pursuit of goals, which reads what was learned of the object.
 
         :param catalogue: ``ObjectCatalogue`` of the objects that goals may name.
-        :raises ValueError: where ``knowledge_file`` cannot be read.
+        :raises ValueError: where ``knowledge_file`` cannot be read, or the collision monitor
+            cannot be asked to ignore the object.
         """
         # Imported here: it takes a while, and the node reports before.
         from push_control.ros.pursuit import GoalPursuit
@@ -75,6 +77,8 @@ class ActiveController:
         self._commands = CommandPublisher(node, frames.base_frame, options, self._others)
         self._base = BaseCheck(node, parameters.base)
         self._gate = CommandGate(node, parameters, self._others)
+        self._zones = ExclusionZones(node, parameters.collision_monitor, frames.object_frame,
+                                     self._object_to_hide)
         self._action = self._make_action(catalogue)
         self._latest = LatestMeasurements()
         # Stamps of measurements that wait for a plan.
@@ -135,12 +139,14 @@ class ActiveController:
         self.goals.interrupt(GoalOutcome.INTERRUPTED, DEACTIVATED)
         self.pursuit.cancel(DEACTIVATED)
         self._forget_measurements()
+        self._zones.remove()
 
     def destroy(self) -> None:
         """Forget what was learned of the object, but for what is in its file."""
         if self._action is not None:
             self._action.destroy()
         self._scene.destroy()
+        self._zones.destroy()
         self._base.destroy()
         self._others.destroy()
 
@@ -366,6 +372,11 @@ class ActiveController:
             self._action.set_object(name, obj)
         self._reporter.report(OK, f'turns to the object {name!r}' if name
                               else 'turns to the object of the parameters')
+
+    def _object_to_hide(self) -> PushedObject | None:
+        """Return the object while a goal is pursued, for the collision monitor to ignore."""
+        is_idle = not self._node.is_active or self.goals.is_idle
+        return None if is_idle else self._parameters.object
 
     # What goes wrong, and what is awaited.
 

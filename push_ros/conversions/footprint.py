@@ -34,6 +34,18 @@ def pushing_footprint(robot: RoundRobot, obj: PushedObject, robot_pose: Pose,
     return convex_hull([*_circle(robot.radius), *map(in_robot.transform, outline)])
 
 
+def grown_outline(obj: PushedObject, margin: float) -> list[tuple[float, float]]:
+    """
+    Outline an object with a strip around it: its Minkowski sum with a disc.
+
+    :param margin: width of the strip, which is up to 2 % wider at rounded corners [m].
+    :return: vertices in the frame of the object, counter-clockwise [m].
+    """
+    outline = obj.outline or _circle(obj.radius)
+    strip = _circle(margin) if margin else [(0.0, 0.0)]
+    return convex_hull([(x + dx, y + dy) for x, y in outline for dx, dy in strip])
+
+
 def to_footprint_message(vertices: list[tuple[float, float]], stamp: Time,
                          frame: str) -> PolygonStamped:
     """
