@@ -23,7 +23,7 @@ STANDING = 1e-3
 PLANNED = 'task: push', 'task: approach'
 ENDED = 'task: done'
 # Goals in a row, each after the first as soon as the simulator says that it was put back.
-GOALS = 6
+GOALS = 3
 
 
 def parameters(name, *, task, is_simulated):
