@@ -110,7 +110,8 @@ def run_jobs(chosen: argparse.Namespace, function: JobFunction, title: str,
     """Run jobs, or resume them; return their records."""
     records = run_many(function, todo, folder=chosen.records, workers=chosen.workers, block=1,
                        progress=progress_bar(title))
-    return [{'success': False, 'outcome': 'error', 'reason': record[ERROR]}
+    return [{'success': False, 'outcome': 'error', 'reason': record[ERROR],
+             'codes': record[ERROR].partition(':')[0]}
             if ERROR in record else record for record in records]
 
 

@@ -1,6 +1,5 @@
 """Groups of random tasks: by object and drive, map, disturbance, variation."""
 
-import re
 from typing import Callable, NamedTuple, Optional, Sequence
 
 from benchmarks.controller.tables import ALL, Job, Pair, Record
@@ -8,8 +7,6 @@ from benchmarks.tasks.cases import INFORMED, OPEN
 import numpy as np
 from push_model.geometry import FloatArray
 
-# A number, also with an exponent; the turns of a route, such as LSR; any white space.
-VARIABLE = r'-?\d+(\.\d*)?(e[+-]?\d+)?|\b[LSR]{3}\b'
 FALSELY_DONE = 'says that it is done, and is not'
 
 
@@ -134,7 +131,7 @@ def is_falsely_done(record: Record) -> bool:
 
 def faults_of(_: Job, record: Record) -> list[str]:
     """
-    Name the classes of a failure: the supervisor's reason without its numbers, and collisions.
+    Name the classes of a failure: the codes of the supervisor's reason, and collisions.
 
     An object that is too heavy, and called so, is none.
 
@@ -148,13 +145,4 @@ def faults_of(_: Job, record: Record) -> list[str]:
         return found
     if is_falsely_done(record):
         return [*found, FALSELY_DONE]
-    return [*found, f'{record["outcome"]}: {without_numbers(record["reason"])}']
-
-
-def without_numbers(reason: str) -> str:
-    """
-    Name the class of a reason: replace its numbers and routes.
-
-    :param reason: one sentence.
-    """
-    return re.sub(VARIABLE, '#', ' '.join(reason.split()))
+    return [*found, ': '.join(filter(None, (record['outcome'], record.get('codes'))))]

@@ -10,6 +10,7 @@ from benchmarks.tasks.cases import Case, draw, Tolerance
 from benchmarks.tasks.intervention import Intervention
 from benchmarks.tasks.maps import Floor, object_clearance, robot_clearance
 from benchmarks.tasks.weight import weight_record
+from push_control.task.code_text import code_text
 from push_control.task.status import SupervisorStatus, TaskState
 from push_control.task.supervisor import Supervisor
 from push_model.plan_request import PlanRequest
@@ -73,10 +74,11 @@ def run(job: Job) -> Record:
         raise RuntimeError(f'status: got none of {job}, expected that of a supervisor')
     record: Record = {
         'variety': case.variety, 'outcome': result.outcome.value, 'reason': result.reason,
+        'codes': code_text(result.codes),
         'pushes': result.status.pushes, 'recoveries': result.status.recoveries,
         'planning': ' '.join(f'{value:.4f}' for value in clock.planning), 'cpu': cpu,
         **_end(result, case.tolerance), **weight_record(result),
-        **_state_times(result.status, result.duration)}
+        **state_times(result.status, result.duration)}
     corrections = correcting_pushes(result.status.history, result.duration, _tape(result),
                                     case.scenario.final_goal)
     record['corrections'] = corrections.pushes
@@ -138,8 +140,13 @@ def _end(result: RunResult, tolerance: Tolerance) -> Record:
                             and last['gap'] >= MIN_GAP)}
 
 
-def _state_times(status: SupervisorStatus, duration: float) -> Record:
-    """Gather the time in every state, and the reasons of recoveries, in order."""
+def state_times(status: SupervisorStatus, duration: float) -> Record:
+    """
+    Gather the time in every state [s], and the codes of recoveries, in order.
+
+    :param duration: of the task [s].
+    :return: record of ``in_STATE`` for each state and of ``recovery_codes``.
+    """
     history = status.history
     ends = [change.time for change in history[1:]] + [duration]
     spent = dict.fromkeys(TIMED_STATES, 0.0)
@@ -147,8 +154,8 @@ def _state_times(status: SupervisorStatus, duration: float) -> Record:
         if change.state in spent:
             spent[change.state] += end - change.time
     return {**{f'in_{state.value}': seconds for state, seconds in spent.items()},
-            'recovery_reasons': '; '.join(
-                change.reason for change in history[1:-1] if change.reason)}
+            'recovery_codes': '; '.join(
+                code_text(change.codes) for change in history[1:-1] if change.codes)}
 
 
 def _clearances(case: Case, floor: Floor, tape: Tape) -> Record:

@@ -4,7 +4,7 @@ from collections import Counter
 from typing import Any, Sequence
 
 from benchmarks.controller.tables import Pair, spread, table, TO_DEGREES, wilson
-from benchmarks.tasks.groups import faults_of, Group, without_numbers
+from benchmarks.tasks.groups import faults_of, Group
 from benchmarks.tasks.run import TIMED_STATES
 import numpy as np
 from push_model.geometry import FloatArray
@@ -140,11 +140,11 @@ def arguments(job: dict[str, Any]) -> str:
 
 def recovery_table(pairs: Sequence[Pair]) -> str:
     """
-    List the reasons of recoveries, in all tasks.
+    List the codes of recoveries, in all tasks.
 
     :param pairs: (job, record) of all tasks.
     """
-    reasons = Counter(
-        without_numbers(reason) for _, record in pairs
-        for reason in record.get('recovery_reasons', '').split('; ') if reason)
-    return table(['what', 'n'], reasons.most_common()) if reasons else 'Nothing.'
+    causes = Counter(
+        cause for _, record in pairs
+        for cause in record.get('recovery_codes', '').split('; ') if cause)
+    return table(['what', 'n'], causes.most_common()) if causes else 'Nothing.'

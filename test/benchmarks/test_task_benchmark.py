@@ -4,7 +4,7 @@ import dataclasses
 import math
 from types import SimpleNamespace
 
-from benchmarks.controller.tables import ALL
+from benchmarks.controller.tables import ALL, table
 from benchmarks.tasks.aims import aim_table, aims
 from benchmarks.tasks.bases import (
     BAD_BASES, compared_jobs, DRAWN, GOOD, NOT_LEARNED, treatment,
@@ -17,18 +17,20 @@ from benchmarks.tasks.cases import (
 )
 from benchmarks.tasks.eyes import ALWAYS_SEEN, EYES, seen_jobs
 from benchmarks.tasks.eyes_tables import eyes_table
-from benchmarks.tasks.groups import (
-    faults_of, grouped, grouped_parts, kind, with_informed_times, without_numbers,
-)
+from benchmarks.tasks.groups import faults_of, grouped, grouped_parts, kind, with_informed_times
 from benchmarks.tasks.intervention import Disturbance, Intervention
 from benchmarks.tasks.maps import (
     draw_floor, MAPS, object_clearance, robot_clearance, to_rectangles,
 )
+from benchmarks.tasks.run import state_times
+from benchmarks.tasks.tables import recovery_table
 from benchmarks.tasks.varieties import STRIDE, task_key
 from helpers.objects import box
 from helpers.push_problems import HOLONOMIC
 import numpy as np
-from push_control.task.status import TaskState
+from push_control.events import TaskEvent
+from push_control.task.status import StateChange, SupervisorStatus, TaskState
+from push_model.events import codes, PushEvent, sentence
 from push_model.geometry import Pose
 from push_planner.steered.site_selection import choose_site
 import pytest
@@ -321,7 +323,7 @@ def test_the_intervention_waits_until_the_robot_is_clear(disturbance):
 
 
 def test_tasks_are_counted_by_kind():
-    """Failures by their reason without its numbers; collisions besides; no single push counts."""
+    """Failures by the codes of their reason; collisions besides; no single push counts."""
     names = KINDS[OPEN][:2]
     pairs = [({'part': OPEN, 'kind': names[index % 2], 'seed': index}, record)
              for index, record in enumerate([
@@ -330,22 +332,38 @@ def test_tasks_are_counted_by_kind():
                  {'success': True, 'outcome': 'done', 'duration': 30.0, 'single': math.inf,
                   'planning': '1.0', 'robot_clearance': -0.01},
                  {'success': False, 'outcome': 'done', 'planning': '', 'reason': ''},
-                 {'success': False, 'outcome': 'failed', 'reason': 'off by 3.5 mm'}])]
+                 {'success': False, 'outcome': 'failed', 'reason': 'off by 3.5 mm',
+                  'codes': 'PushEvent.GOAL_MISSED'}])]
     everything, first, second = grouped(pairs, OPEN, kind)
     assert (everything.name, first.name, second.name) == (ALL, *names)
     assert (everything.successes, first.successes, second.successes) == (2, 1, 1)
     assert everything.ratios('duration', 'single') == pytest.approx([0.5, 0.0])
     assert everything.planning == pytest.approx([0.25, 0.5, 1.0])
     assert [faults_of(*pair) for pair in pairs] == [
-        [], ['robot collides'], ['says that it is done, and is not'], ['failed: off by # mm']]
+        [], ['robot collides'], ['says that it is done, and is not'],
+        ['failed: PushEvent.GOAL_MISSED']]
     assert (everything.falsely_done, first.falsely_done) == (1, 1)
     assert grouped(pairs, IN_MAPS, kind) == []
 
 
-def test_classes_of_failure_have_no_numbers():
-    """Nor routes and line ends, which a table could not hold."""
-    assert without_numbers('among them RSL of 2.1 m: [1.0e-01\n 3.]') == (
-        'among them # of # m: [# #]')
+def test_an_end_without_a_code_is_named_by_its_outcome():
+    """Out of time, say; an error of the benchmark has the name of its exception in its place."""
+    (timed_out, error) = ({'success': False, 'outcome': outcome, 'reason': '3 s', 'codes': code}
+                          for outcome, code in (('timed out', ''), ('error', 'ValueError')))
+    assert faults_of({}, timed_out) == ['timed out']
+    assert faults_of({}, error) == ['error: ValueError']
+
+
+def test_recoveries_are_counted_by_their_codes():
+    """Whatever numbers their sentences name."""
+    history = [StateChange(float(index), TaskState.PLAN, sentence(cause), codes=codes(cause))
+               for index, cause in enumerate([
+                   None, *(PushEvent.GAP_TOO_WIDE.report(gap=gap) for gap in (3.0, 8.0)),
+                   None, TaskEvent.ABORTED.report(reason='end')])]
+    record = state_times(SupervisorStatus(history=tuple(history)), 5.0)
+    assert recovery_table([({}, record)]) == table(
+        ['what', 'n'], [(str(PushEvent.GAP_TOO_WIDE), 2)])
+    assert recovery_table([({}, {})]) == 'Nothing.'
 
 
 def result_of(part, seed, **record):
