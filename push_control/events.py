@@ -77,6 +77,10 @@ class TaskEvent(Cause):
     ABORTED_INCONSISTENT = '{abort}; {inconsistency}'
 
 
+# A task with one of these has done what it could: people are informed, not warned.
+WITHOUT_FAULT = frozenset({TaskEvent.DONE_BY_ODOMETRY})
+
+
 def no_plan(code: PlanFailure, reason: str | AnyReport) -> Report[TaskEvent]:
     """
     Report that there is no plan.

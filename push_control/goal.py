@@ -8,6 +8,7 @@ from typing import NamedTuple
 from push_model.events import AnyReport
 from push_model.geometry import Pose
 from push_model.plan_request import MAX_TOLERANCE, MIN_TOLERANCE
+from push_model.signals import PoseDeviation
 
 
 class PushState(enum.Enum):
@@ -117,6 +118,8 @@ class GoalProgress(NamedTuple):
     :param position_error: distance of the object from its goal as last measured or estimated [m];
         nan before.
     :param heading_error: heading of the object minus that of its goal [rad]; nan before.
+    :param deviation: ``PoseDeviation`` of the object in the frame of its goal, where that drifts
+        with odometry; None where it does not.
     """
 
     state: PushState = PushState.IDLE
@@ -125,3 +128,4 @@ class GoalProgress(NamedTuple):
     pushes: int = 0
     position_error: float = math.nan
     heading_error: float = math.nan
+    deviation: PoseDeviation | None = None

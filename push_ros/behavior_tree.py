@@ -5,7 +5,7 @@ Behaviours for trees of py_trees: push an object to a goal, and choose by how th
     root = py_trees.composites.Selector('crate', memory=True, children=[
         push,
         py_trees.composites.Sequence('too heavy', memory=True, children=[
-            PushFailedWith('gave up', push, Result.FAILED_TO_MAKE_PROGRESS), call_somebody])])
+            PushFailedWith('gave up', push, 'BehaviorFailure.WHEELS_SPIN'), call_somebody])])
 
 They need no node of their own and no thread: a tick handles what has come.
 """
@@ -77,19 +77,20 @@ class PushObject(Behaviour):
 
 
 class PushFailedWith(Behaviour):
-    """Succeeds where a push has failed with one of some error codes; fails elsewhere."""
+    """Succeeds where a push has failed with one of some codes; fails elsewhere."""
 
-    def __init__(self, name: str, push: PushObject, *codes: int) -> None:
+    def __init__(self, name: str, push: PushObject, *codes: int | str) -> None:
         """
         Name the codes.
 
         :param name: of the behaviour.
         :param push: the ``PushObject``.
-        :param codes: constants of ``PushObject.Result`` of ``push_control_msgs``.
+        :param codes: constants of ``PushObject.Result`` of ``push_control_msgs``, or names of
+            cause codes, such as ``BehaviorFailure.WHEELS_SPIN``.
         """
         super().__init__(name)
         self._push = push
-        self._codes = codes
+        self._codes = frozenset(codes)
 
     def update(self) -> Status:
         """Compare the code."""
@@ -97,5 +98,7 @@ class PushFailedWith(Behaviour):
         if result is None:
             self.feedback_message = 'has not ended'
             return Status.FAILURE
-        self.feedback_message = f'error code {result.error_code}'
-        return Status.SUCCESS if result.error_code in self._codes else Status.FAILURE
+        self.feedback_message = ' '.join((f'error code {result.error_code}', *result.codes))
+        has_failed = result.outcome is not PushOutcome.SUCCEEDED
+        is_named = not self._codes.isdisjoint((result.error_code, *result.codes))
+        return Status.SUCCESS if has_failed and is_named else Status.FAILURE

@@ -60,6 +60,10 @@ class PushFeedback(NamedTuple):
     :param pushes_done: number of pushes that have ended.
     :param position_error: distance of the object from its goal [m].
     :param heading_error: object heading minus that of the goal [rad].
+    :param position_deviation: standard deviation of the position in the frame of the goal [m],
+        where that drifts with odometry; nan where it does not.
+    :param heading_deviation: of the heading [rad], likewise.
+    :param codes: cause codes of the reason, such as ``TaskEvent.AVERAGING``.
     :param elapsed_time: since the goal was taken [s].
     :param estimated_time_remaining: if it goes on like this [s]; 0 while nothing is known.
     """
@@ -70,6 +74,9 @@ class PushFeedback(NamedTuple):
     pushes_done: int
     position_error: float
     heading_error: float
+    position_deviation: float
+    heading_deviation: float
+    codes: tuple[str, ...]
     elapsed_time: float
     estimated_time_remaining: float
 
@@ -83,8 +90,13 @@ class PushResult(NamedTuple):
     :param error_msg: one sentence on that, or empty.
     :param position_error: last known distance of the object from its goal [m]; nan if unknown.
     :param heading_error: last known object heading minus that of the goal [rad]; nan if unknown.
+    :param position_deviation: standard deviation of the position in the frame of the goal [m],
+        where that drifts with odometry; nan where it does not.
+    :param heading_deviation: of the heading [rad], likewise.
     :param pushes: number of pushes begun.
     :param duration: [s].
+    :param codes: cause codes, such as ``TaskEvent.NO_PLAN``; of a goal that was reached
+        ``TaskEvent.DONE_BY_ODOMETRY`` where the deviations say how well that is known.
     """
 
     outcome: PushOutcome
@@ -92,8 +104,11 @@ class PushResult(NamedTuple):
     error_msg: str = ''
     position_error: float = math.nan
     heading_error: float = math.nan
+    position_deviation: float = math.nan
+    heading_deviation: float = math.nan
     pushes: int = 0
     duration: float = 0.0
+    codes: tuple[str, ...] = ()
 
 
 OUTCOMES = {GoalStatus.STATUS_SUCCEEDED: PushOutcome.SUCCEEDED,
@@ -249,7 +264,8 @@ class PushCommander:
             status = message.status
             self._feedback = PushFeedback(
                 status.state, status.text, status.push_number, status.pushes_done,
-                status.position_error, status.heading_error, seconds(message.elapsed_time),
+                status.position_error, status.heading_error, status.position_deviation,
+                status.heading_deviation, tuple(status.codes), seconds(message.elapsed_time),
                 seconds(message.estimated_time_remaining))
 
     def _on_result(self, number: int, response: Any) -> None:
@@ -257,5 +273,6 @@ class PushCommander:
             result = response.result
             self._result = PushResult(
                 OUTCOMES.get(response.status, PushOutcome.LOST), result.error_code,
-                result.error_msg, result.position_error, result.heading_error, result.pushes,
-                seconds(result.duration))
+                result.error_msg, result.position_error, result.heading_error,
+                result.position_deviation, result.heading_deviation, result.pushes,
+                seconds(result.duration), tuple(result.codes))

@@ -37,10 +37,11 @@ FAILURE = 'failure'
 # Units of the values by the last part of their names; all others are counts, words or ratios.
 UNITS = {
     **dict.fromkeys(('time', 'since', 'duration'), 's'),
-    **dict.fromkeys(('position_error', 'remaining_distance', 'travelled_distance', 'path_length',
-                     'friction_center', 'final_straight', 'displacement_bound',
-                     'longest_blend'), 'm'),
-    **dict.fromkeys(('heading_error', 'push_direction', 'peak_angle_change'), 'rad'),
+    **dict.fromkeys(('position_error', 'position_deviation', 'remaining_distance',
+                     'travelled_distance', 'path_length', 'friction_center', 'final_straight',
+                     'displacement_bound', 'longest_blend'), 'm'),
+    **dict.fromkeys(('heading_error', 'heading_deviation', 'push_direction',
+                     'peak_angle_change'), 'rad'),
     **dict.fromkeys(('pushing_speed', 'highest_speed', 'present_speed'), 'm/s')}
 
 

@@ -274,7 +274,7 @@ class GoalEntry:
             before = current.last_feedback.progress
             progress = progress._replace(position_error=before.position_error,
                                          heading_error=before.heading_error,
-                                         pushes=before.pushes)
+                                         pushes=before.pushes, deviation=before.deviation)
         current.last_feedback = GoalFeedback(progress, current.elapsed_time,
                                              current.goal.time_limit - current.elapsed_time)
         return current.last_feedback

@@ -124,7 +124,7 @@ class GoalPursuit:
                                      is_started=self.is_started)
         measured = None if self._observation is None else self._observation.object_pose
         if measured is None or self._goal is None:
-            return progress
+            return progress._replace(deviation=None)
         return with_errors(progress, measured.pose, self._goal.pose)
 
     # Start and stop.

@@ -14,9 +14,11 @@ from builtin_interfaces.msg import Duration
 from push_control.goal import GoalOutcome, GoalProgress, PushGoal, PushState
 from push_control.ros.base_check import BaseFault
 from push_control.ros.goal_entry import GoalEntry, GoalHandle
+from push_control.task.code_text import code_names
 from push_control.time_left import TimeLeftEstimator
-from push_model.events import sentence
+from push_model.events import codes, sentence
 from push_model.parameters import PushedObject
+from push_model.signals import PoseDeviation
 from push_ros import qos
 from push_ros.conversions.measurements import from_object_pose_message
 from push_ros.conversions.primitives import MessageRefused, seconds, to_stamp
@@ -241,8 +243,8 @@ class PushActionServer:
         outcome = ended.outcome or GoalOutcome.INTERRUPTED
         last = ended.last_feedback
         result = self._interfaces.action.Result(
-            position_error=last.progress.position_error, heading_error=last.progress.heading_error,
-            pushes=last.progress.pushes, duration=to_stamp(last.elapsed_time, Duration))
+            codes=code_names(codes(ended.cause)), pushes=last.progress.pushes,
+            duration=to_stamp(last.elapsed_time, Duration), **_errors(last.progress))
         is_reached = outcome is GoalOutcome.REACHED
         text = '' if is_reached else sentence(ended.cause) or outcome.value
         is_cancelled = outcome is GoalOutcome.CANCELLED and handle.is_cancel_requested
@@ -251,7 +253,7 @@ class PushActionServer:
 
     def _unmeasured_result(self) -> Any:
         """Make the result of a goal that was not pursued: its errors were not measured."""
-        return self._interfaces.action.Result(position_error=math.nan, heading_error=math.nan)
+        return self._interfaces.action.Result(**_errors(GoalProgress()))
 
     def _finish(self, handle: ServerGoalHandle, code: str, text: str, result: Any, *,
                 is_reached: bool = False) -> None:
@@ -275,10 +277,17 @@ class PushActionServer:
             state=getattr(self._interfaces.status, progress.state.name),
             text=f'{progress.state.value}, {reason}' if reason else progress.state.value,
             push_number=progress.pushes, pushes_done=progress.pushes - is_pushing,
-            position_error=progress.position_error, heading_error=progress.heading_error)
+            codes=code_names(codes(progress.cause)), **_errors(progress))
         status.header.stamp = to_stamp(time)
         status.header.frame_id = self._goals.frame
         return status
+
+
+def _errors(progress: GoalProgress) -> dict[str, float]:
+    """Name the errors as status and result have them, and how well they are known."""
+    deviation = progress.deviation or PoseDeviation(math.nan, math.nan)
+    return {'position_error': progress.position_error, 'heading_error': progress.heading_error,
+            'position_deviation': deviation.position, 'heading_deviation': deviation.heading}
 
 
 def _check_pose(message: Any) -> None:

@@ -25,7 +25,8 @@ def task_progress(status: SupervisorStatus, cause: AnyReport | None, *,
     outcome = OUTCOMES.get(status.state) if is_started else None
     if is_started and status.failure is TaskFailure.NO_PLAN:
         outcome = GoalOutcome.NO_PLAN
-    return GoalProgress(STATES[status.state], cause, outcome, status.pushes)
+    return GoalProgress(STATES[status.state], cause, outcome, status.pushes,
+                        deviation=status.goal_deviation)
 
 
 def with_errors(progress: GoalProgress, measured: Pose, goal: Pose) -> GoalProgress:

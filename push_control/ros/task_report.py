@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from push_control.events import WITHOUT_FAULT
 from push_control.ros.scene import EstimatedScene, ScenePublisher
 from push_control.task.code_text import code_text
 from push_control.task.status import StateChange, SupervisorStatus, TaskState
@@ -118,9 +119,12 @@ class TaskReporter:
             'time': time, 'state': change.state.value, 'reason': change.reason,
             'codes': code_text(change.codes), 'since': change.time, 'pushes': status.pushes,
             'recoveries': status.recoveries, 'robot_pose': status.robot_pose}
+        if status.goal_deviation is not None:
+            values['position_deviation'], values['heading_deviation'] = status.goal_deviation
         values.update({f'push.{key}': value for key, value in status.push.values().items()})
         values.update({} if base is None else base.to_mapping())
-        is_fault = bool(change.reason) and not change.is_requested
+        is_fault = (bool(change.reason) and not change.is_requested
+                    and WITHOUT_FAULT.isdisjoint(change.codes))
         level = LEVELS.get(change.state, WARN if is_fault else OK)
         self._reporter.report(level, f'task: {_sentence(change.state, change.reason)}', values,
                               always)

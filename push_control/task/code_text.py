@@ -18,7 +18,16 @@ def code_text(codes: Codes) -> str:
 
     :return: such as ``TaskEvent.NO_PLAN PlanFailure.BLOCKED``; empty for none.
     """
-    return ' '.join(map(str, codes))
+    return ' '.join(code_names(codes))
+
+
+def code_names(codes: Codes) -> list[str]:
+    """
+    Name codes.
+
+    :return: such as ``TaskEvent.NO_PLAN``, ``PlanFailure.BLOCKED``; empty for none.
+    """
+    return [str(code) for code in codes]
 
 
 def codes_of_text(text: str) -> Codes:

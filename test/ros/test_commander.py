@@ -131,6 +131,7 @@ def test_a_cancelled_robot_backs_off_and_the_next_goal_is_reached(context, comma
     assert result.position_error < 0.02 and abs(result.heading_error) < 0.04
     assert result.pushes >= 1 and result.duration > 0.0
     assert PushStatus.PUSHING in states
+    assert result.codes == () and math.isnan(result.position_deviation)
 
 
 def test_the_example_runs(context, commander):

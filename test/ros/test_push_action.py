@@ -9,6 +9,7 @@ from geometry_msgs.msg import PoseStamped
 from helpers.architecture import ROOT
 from helpers.build_interfaces import available
 from helpers.node_bench import bench, TIMEOUT
+from push_control.events import TaskEvent
 from push_model.files.data import config_file
 from push_model.files.flat_values import to_parameter_values
 from push_model.files.parameter_files import read_object
@@ -20,7 +21,7 @@ from push_ros.conversions.measurements import to_object_pose_message, to_odometr
 from push_ros.conversions.plan import no_plan_message
 from push_ros.conversions.plan_request import from_request_message
 from push_ros.conversions.primitives import seconds, to_pose_message
-from push_ros.diagnostics import ERROR
+from push_ros.diagnostics import ERROR, OK, status_values
 from push_ros.qos import LATCHED
 from push_ros.topics import CONTROLLER
 from push_scenario.definition.catalogue import find_scenario
@@ -71,6 +72,15 @@ class Client:
         """Let time pass by one measurement each of robot and object."""
         self.let_time_pass()
         self.b.publish('object_pose', to_object_pose_message(ObjectPose(self.now, OBJECT), 'odom'))
+        self.b.publish('odom', to_odometry_message(Odometry(self.now, ROBOT, STOP), 'odom',
+                                                   'base_link'))
+        self.b.spin(0.01)
+
+    def measure_from_robot(self):
+        """Let time pass by one measurement, in which a camera on the robot sees the object."""
+        self.let_time_pass()
+        self.b.publish('object_pose', to_object_pose_message(
+            ObjectPose(self.now, ROBOT.inverse() @ OBJECT), 'base_link'))
         self.b.publish('odom', to_odometry_message(Odometry(self.now, ROBOT, STOP), 'odom',
                                                    'base_link'))
         self.b.spin(0.01)
@@ -157,10 +167,41 @@ def test_a_goal_where_the_object_is_is_reached(client):
     assert (result.error_code, result.error_msg, result.pushes) == (client.action.Result.NONE,
                                                                     '', 0)
     assert result.position_error < 0.01 and abs(result.heading_error) < 0.0175
+    assert list(result.codes) == []
+    assert math.isnan(result.position_deviation) and math.isnan(result.heading_deviation)
     assert 0.0 <= seconds(result.duration) < client.now
     client.measure_until(lambda: client.statuses[-1].state == client.statuses[-1].REACHED)
     assert client.statuses[-1].header.frame_id == 'odom'
     assert client.statuses[-1].object_name == 'box_04'
+    assert math.isnan(client.statuses[-1].position_deviation)
+
+
+def test_a_goal_that_odometry_alone_knows_says_how_well(client):
+    """A camera on the robot: done, without an error, with code and deviations; no warning."""
+    client.b.received['diagnostics'].clear()
+    _, result = client.send(OBJECT)
+    while not result.done():
+        client.measure_from_robot()
+    while client.statuses[-1].state != client.statuses[-1].REACHED:
+        client.measure_from_robot()
+    ended = result.result()
+    assert ended.status == GoalStatus.STATUS_SUCCEEDED
+    assert (ended.result.error_code, ended.result.error_msg) == (client.action.Result.NONE, '')
+    assert list(ended.result.codes) == [str(TaskEvent.DONE_BY_ODOMETRY)]
+    deviations = ended.result.position_deviation, ended.result.heading_deviation
+    assert all(0.0 < value < 0.1 for value in deviations)
+    status = client.statuses[-1]
+    assert list(status.codes) == list(ended.result.codes)
+    # They go on to be estimated while the robot stands.
+    assert (status.position_deviation, status.heading_deviation) == (
+        pytest.approx(deviations, rel=0.1))
+    reports = [status for message in client.b.received['diagnostics']
+               for status in message.status if status.message.startswith('task: done')]
+    assert reports and all(report.level == OK for report in reports)
+    values = status_values(reports[-1])
+    assert values['codes'] == str(TaskEvent.DONE_BY_ODOMETRY)
+    assert (float(values['position_deviation']), float(values['heading_deviation'])) == (
+        pytest.approx(deviations, rel=0.1))
 
 
 def cancel(client: Client, handle: ClientGoalHandle, result: Future) -> None:
@@ -370,6 +411,8 @@ def test_a_goal_without_a_plan_is_given_up(client):
     assert ended.status == GoalStatus.STATUS_ABORTED
     assert ended.result.error_code == client.action.Result.NO_VALID_PLAN
     assert PlanFailure.NOT_CONVERGED.value in ended.result.error_msg
+    assert list(ended.result.codes) == [str(TaskEvent.PLANNING_FAILED_AGAIN),
+                                        str(PlanFailure.NOT_CONVERGED)]
 
 
 def test_a_goal_ends_at_its_time_limit_without_odometry(client):
