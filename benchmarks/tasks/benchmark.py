@@ -170,12 +170,15 @@ def main() -> int:
     except KeyboardInterrupt:
         print('\ninterrupted; the same command resumes', file=sys.stderr)
         return INTERRUPTED
-    written = text(all_jobs, all_records)
+    page = chosen.out / 'tasks.md' if chosen.out else None
+    before = page.read_text(encoding='utf-8') if page is not None and page.exists() else ''
+    written = text(all_jobs, all_records, before)
     print(written)
     if chosen.out:
         chosen.out.mkdir(parents=True, exist_ok=True)
         (chosen.out / 'tasks.md').write_text(written, encoding='utf-8')
-        picture(chosen.out / 'tasks.png', all_jobs, all_records)
+        if OPEN in chosen.parts:
+            picture(chosen.out / 'tasks.png', all_jobs, all_records)
     return 0
 
 

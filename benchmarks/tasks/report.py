@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Sequence
 
 from benchmarks.controller.tables import Job, Pair, Record
-from benchmarks.report_template import fill_template
+from benchmarks.report_template import fill_template, updated_page
 from benchmarks.tasks.aims import aim_table
 from benchmarks.tasks.base_tables import base_table, weight_table
 from benchmarks.tasks.bases import LEARNED, treatment
@@ -23,18 +23,23 @@ from benchmarks.tasks.tables import (
 
 TEXT = Path(__file__).with_name('tasks.md.in')
 NOT_MEASURED = 'Not measured in this run.'
+# What is made of several parts.
+SUMS = 'COUNTS', 'AIMS', 'STATES', 'VARIED', 'FAILURES', 'RECOVERIES'
 # Variations of the tasks on open floor.
 VARIED = tuple(part for part in PARTS
                if part not in (OPEN, IN_MAPS, DISTURBED, *BASE_PARTS, *EYES_PARTS))
 
 
-def text(jobs: Sequence[Job], records: Sequence[Record]) -> str:
+def text(jobs: Sequence[Job], records: Sequence[Record], page: str = '') -> str:
     """
     Fill the template.
+
+    What sums parts up is replaced only where tasks on open floor are among them.
 
     :param jobs: keyword arguments of ``benchmarks.tasks.cases.draw``.
     :param records: what ``benchmarks.tasks.run.run`` returned for them, those on open floor with
         what ``benchmarks.tasks.reference.refer`` returned.
+    :param page: the page until now, of which parts that are not measured are kept.
     """
     all_pairs = list(zip(jobs, records))
     pairs = with_informed_times([pair for pair in all_pairs if treatment(pair[0]) == LEARNED])
@@ -43,7 +48,7 @@ def text(jobs: Sequence[Job], records: Sequence[Record]) -> str:
     mapped = grouped_parts(pairs, (IN_MAPS,), variety)
     disturbed = (grouped_parts(pairs, (DISTURBED,), variety)
                  + grouped_parts(pairs, (DISTURBED,), _state_when_moved)[1:])
-    return fill_template(
+    new = fill_template(
         TEXT, COUNTS=_counts(everything), AIMS=aim_table(pairs),
         OPEN=success_table(kinds) if kinds else NOT_MEASURED,
         EFFORT=effort_table(kinds) if kinds else NOT_MEASURED,
@@ -55,6 +60,8 @@ def text(jobs: Sequence[Job], records: Sequence[Record]) -> str:
         BASES=_bases(all_pairs, BASES), SPATIALBASES=_bases(all_pairs, SPATIAL_BASES),
         EYES=_eyes(all_pairs, OWN_EYES), SPATIALEYES=_eyes(all_pairs, SPATIAL_EYES),
         FAILURES=failure_table(pairs), RECOVERIES=recovery_table(pairs))
+    return updated_page(TEXT, new, page, lambda name, value: (
+        value == NOT_MEASURED or name in SUMS and not kinds))
 
 
 def _counts(groups: Sequence[Group]) -> str:

@@ -4,7 +4,7 @@ import ast
 from pathlib import Path
 import re
 
-from benchmarks.report_template import fill_template, NAME
+from benchmarks.report_template import fill_template, NAME, updated_page
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -29,3 +29,19 @@ def test_names_are_replaced_and_no_other_ones_taken(tmp_path):
     for values in ({'COUNT': 3}, {'COUNT': 3, 'ALL': 4, 'NONE': 5}):
         with pytest.raises(ValueError, match='text.md.in: .*(ALL|NONE)'):
             fill_template(template, **values)
+
+
+def test_what_is_not_measured_stays_as_it_was(tmp_path):
+    """Value by value, over several lines; of a page of another template nothing stays."""
+    template = Path(tmp_path / 'text.md.in')
+    template.write_text('First: @ONE@\nsecond:\n@TWO@\nEnd.\n')
+    previous = fill_template(template, ONE='1', TWO='| a |\n| b |')
+    page = fill_template(template, ONE='3', TWO='-')
+
+    def is_kept(name, value):
+        return value == '-'
+
+    assert updated_page(template, page, previous, is_kept) == (
+        'First: 3\nsecond:\n| a |\n| b |\nEnd.\n')
+    for other in ('', previous + 'more'):
+        assert updated_page(template, page, other, is_kept) == page
