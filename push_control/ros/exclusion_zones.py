@@ -58,7 +58,7 @@ class SourceZone:
         """Know nothing of the source, and want no zone."""
         self.refusal = ''
         self.is_silent = False
-        self._wanted: Outline | None = None
+        self._requested: Outline | None = None
         self._present: Outline | None = None
         self._is_known = False
         self._pending: Call | None = None
@@ -69,12 +69,12 @@ class SourceZone:
     @property
     def is_settled(self) -> bool:
         """Whether the source is known to have the zone that is wanted, or none."""
-        return self._is_known and self._pending is None and self._present == self._wanted
+        return self._is_known and self._pending is None and self._present == self._requested
 
     @property
-    def wanted(self) -> Outline | None:
-        """Vertices of the wanted zone in the frame of the object [m]; None for no zone."""
-        return self._wanted
+    def requested(self) -> Outline | None:
+        """Vertices of the requested zone in the frame of the object [m]; None for no zone."""
+        return self._requested
 
     def want(self, outline: Outline | None) -> None:
         """
@@ -82,14 +82,14 @@ class SourceZone:
 
         :param outline: vertices in the frame of the object [m]; None for no zone.
         """
-        self._wanted = outline
+        self._requested = outline
 
     def next_call(self, now: float) -> Call | None:
         """
         Choose the call to make now, and suppose that it is made.
 
         :param now: time [s].
-        :return: ``Call``, of ``wanted`` where a zone is added; None where there is none to make.
+        :return: ``Call``, of ``requested`` where a zone is added; None for no call.
         """
         if now < self._deadline or self.is_settled:
             return None
@@ -99,7 +99,7 @@ class SourceZone:
             self.is_silent = True
         is_absent = self._is_known and self._present is None
         self._pending = Call.ADD if is_absent else Call.REMOVE
-        self._sent = self._wanted
+        self._sent = self._requested
         self._deadline = now + ANSWER_TIME
         return self._pending
 
@@ -254,7 +254,7 @@ class _Source:
         request = self._types.add.Request()
         zone = request.zone
         zone.zone_name, zone.type, zone.frame_id = ZONE, 'polygon', frame
-        zone.points = [Point32(x=x, y=y, z=0.0) for x, y in self._zone.wanted or ()]
+        zone.points = [Point32(x=x, y=y, z=0.0) for x, y in self._zone.requested or ()]
         zone.enabled = True
         return request
 

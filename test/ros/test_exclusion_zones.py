@@ -75,7 +75,7 @@ class Run:
             if call is not None:
                 # A late answer is not one to this call.
                 source.answers.clear()
-                source.call(call, zone.wanted, self._now)
+                source.call(call, zone.requested, self._now)
 
     def restart_monitor(self):
         """Let the monitor forget all zones, as its process does."""
