@@ -19,7 +19,7 @@ SCRIPTS = {
     '04_vary_a_parameter': ('true 0.30: failed', []),
 }
 # Run beside the nodes that it needs, by test/ros/test_commander.py.
-WITH_NODES = ['05_commander']
+WITH_NODES = ['05_commander', '06_mission']
 NOTEBOOK = json.loads((EXAMPLES / 'plan_a_push.ipynb').read_text(encoding='utf-8'))
 CODE_CELLS = [cell for cell in NOTEBOOK['cells'] if cell['cell_type'] == 'code']
 

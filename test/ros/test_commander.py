@@ -134,15 +134,56 @@ def test_a_cancelled_robot_backs_off_and_the_next_goal_is_reached(context, comma
     assert result.codes == () and math.isnan(result.position_deviation)
 
 
+# What stands for Nav2's own commander, whose servers are not here: it drives nowhere, at once.
+NAVIGATOR = """
+import enum
+
+TaskResult = enum.Enum('TaskResult', 'SUCCEEDED FAILED')
+
+
+class BasicNavigator:
+    def goToPose(self, pose):
+        print('drives to', pose.header.frame_id, pose.pose.position.x)
+
+    def backup(self, backup_dist, backup_speed):
+        print('backs up by', backup_dist)
+
+    def isTaskComplete(self):
+        return True
+
+    def getResult(self):
+        return TaskResult.SUCCEEDED
+"""
+
+
+def run_example(name, context, *folders):
+    """Run an example beside the nodes; return what it prints."""
+    done = subprocess.run(
+        [sys.executable, str(ROOT / 'examples' / name)], text=True,
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
+        env={**private_environment(context[1].domain), 'PYTHONPATH': os.pathsep.join(
+            [*map(str, folders), str(ROOT), os.environ['PYTHONPATH']])})
+    assert done.returncode == 0, done.stdout
+    return done.stdout
+
+
 def test_the_example_runs(context, commander):
     """The object is at its goal already, or nearly so; the example ends with the result."""
-    done = subprocess.run(
-        [sys.executable, str(ROOT / 'examples' / '05_commander.py')], text=True,
-        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
-        env={**private_environment(context[1].domain),
-             'PYTHONPATH': os.pathsep.join([str(ROOT), os.environ['PYTHONPATH']])})
-    assert done.returncode == 0, done.stdout
-    assert 'SUCCEEDED' in done.stdout
+    assert 'SUCCEEDED' in run_example('05_commander.py', context)
+
+
+def test_the_mission_runs(context, commander, tmp_path):
+    """It drives to the object, pushes, and backs up, one after the other."""
+    package = tmp_path / 'nav2_simple_commander'
+    package.mkdir()
+    package.joinpath('robot_navigator.py').write_text(NAVIGATOR)
+    # The nodes of this test have no tf from the map to odometry.
+    example = (ROOT / 'examples' / '06_mission.py').read_text().replace("'map'", "'odom'")
+    tmp_path.joinpath('mission.py').write_text(example)
+    printed = run_example(tmp_path / 'mission.py', context, tmp_path)
+    steps = [printed.index(text)
+             for text in ('drives to odom -0.8', 'SUCCEEDED', 'backs up by 0.3')]
+    assert steps == sorted(steps)
 
 
 def tick_to_the_end(root, nodes, reaction=None):
