@@ -45,7 +45,7 @@ class PushLine(NamedTuple):
     :param curvature: of the robot's path from there on, left positive [1/m].
     :param length: of that path [m].
     :param face: index of the face of the object that is pushed at, as in
-        ``push_primitives.contact_places``.
+        ``push_primitives.face_points``.
     """
 
     start: Pose

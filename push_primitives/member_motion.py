@@ -60,7 +60,7 @@ def object_origin(state: Any, body: Any) -> tuple[float, float]:
     """
     Find the origin of the object frame.
 
-    :param state: numbers of one member.
+    :param state: values of one member.
     :param body: its body.
     :return: (x, y) in the world [m].
     """
@@ -74,7 +74,7 @@ def contact_of(state: Any, body: Any, outline: Any) -> ContactPoint:
     """
     Find the nearest points of object and robot.
 
-    :param state: numbers of one member.
+    :param state: values of one member.
     :param body: its body.
     :param outline: vertices in the object frame [m].
     :return: ``ContactPoint``; its normal points from the robot to the object.
@@ -90,7 +90,7 @@ def close_gap(state: Any, body: Any, outline: Any, touches: bool) -> float:
     """
     Move the robot along the contact normal off an overlap, or to where it touches.
 
-    :param state: numbers of one member, is written.
+    :param state: values of one member, is written.
     :param body: its body.
     :param outline: vertices in the object frame [m].
     :param touches: whether the robot must touch; else a positive gap stays.

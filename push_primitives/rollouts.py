@@ -55,7 +55,7 @@ def cost_of_stopping(state: Any, body: Any, goal: RolloutGoal) -> float:
     """
     Evaluate the cost-to-go of a member.
 
-    :param state: numbers of one member.
+    :param state: values of one member.
     :param body: its body.
     :return: expected time that is still needed [s].
     """

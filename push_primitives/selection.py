@@ -5,7 +5,7 @@ A push by primitive p of length l from where the robot stands takes the time
 
     T(p, l) = max(t_min, t_travel(p)) + l / v + t_0 + sum over k of w_k V(f_p, g_k(p, l)),
 
-with the weights w_k of the guesses of friction and V of ``cost_to_go``. V holds what remains to do
+with the weights w_k of the samples of friction and V of ``cost_to_go``. V holds what remains to do
 after the push, so that sequences of pushes are never formed. The path of the robot to the place is
 estimated for all primitives, and planned for the best.
 """
@@ -19,9 +19,9 @@ from push_model.geometry import FloatArray, IntArray, Pose, wrap_angles
 from push_primitives.cost_to_go import cost_after, CostGrid
 from push_primitives.store import PushPrimitives
 from push_primitives.value_iteration import ARC_CLEARANCE
-from push_primitives.weights import draw_weights, FrictionBelief
+from push_primitives.weights import FrictionBelief, sample_weights
 
-# Least time for a contact [s]: where the robot seems to stand at a place already, taps would look
+# Least time for a contact [s]: where the robot seems to stand at a point already, taps would look
 # free, and their errors not.
 MIN_CONTACT_TIME = 1.5
 # Pushes are at least this part of the error long, less some [m]: V is interpolated and a little
@@ -32,8 +32,8 @@ LENGTH_MARGIN = 0.002
 HEADING_ARM = 0.1
 # Longest push without steering or correction [m]; the table ends there.
 MAX_LENGTH = 1.0
-# Deviation of the robot's place from which on it counts as unsure [m], chosen: half the distance
-# between places.
+# Deviation of the robot's position from which on it counts as unsure [m], chosen: half the
+# distance between points.
 UNSURE_DEVIATION = 0.013
 # Primitives with length that get the full expectation, the best by their mean effect; and starts
 # whose paths are planned. Chosen: more of either hardly ever change the result.
@@ -47,7 +47,7 @@ FIXED_TIME = {'differential': 3.0, 'holonomic': 1.5}
 NEAR = 0.25
 NEAR_REDUCTION = 0.3
 NEAR_TURN_TIME = 0.3
-# The object hides places behind it; chosen: part of its radius that hides, as corners are passed
+# The object hides points behind it; chosen: part of its radius that hides, as corners are passed
 # closely, and an angle at its edge that does not [rad].
 HIDING_FRACTION = 0.8
 HIDING_MARGIN = 0.3
@@ -64,7 +64,7 @@ class SelectionQuery(NamedTuple):
     :param goal: ``Pose`` of the goal in the object frame.
     :param robot_pose: ``Pose`` of the robot in the object frame.
     :param belief: ``FrictionBelief``.
-    :param robot_deviation: standard deviation of the robot's place [m].
+    :param robot_deviation: standard deviation of the robot's position [m].
     :param pushing_speed: of the push [m/s].
     """
 
@@ -93,9 +93,9 @@ class SelectedPush(NamedTuple):
     """
     A push and what it is expected to take.
 
-    :param primitive: its number in the table.
+    :param primitive: its row in the table.
     :param length: driven length from the first contact [m].
-    :param weights: of the guesses of friction, shape (K,).
+    :param weights: of the samples of friction, shape (K,).
     :param travel_time: of the robot's path to its start [s].
     :param remaining_time: expected time after it until the object is at its goal [s].
     :param expected_time: of everything, path and push included [s].
@@ -117,17 +117,17 @@ def select_push(primitives: PushPrimitives, query: SelectionQuery,
     :param travel_time: plans the path to a start.
     :return: ``SelectedPush``; None where no start can be reached.
     """
-    weights = draw_weights(primitives.table.draws, query.belief)
+    weights = sample_weights(primitives.table.friction_samples, query.belief)
     displacements = (primitives.unsure_displacements
                      if query.robot_deviation > UNSURE_DEVIATION
                      else primitives.localized_displacements)
     costs = push_costs(primitives, query, displacements, weights)
     best_steps = np.argmin(costs, axis=1)
     best_costs = costs.min(axis=1)
-    found = _nearest_in_time(primitives, query, best_costs, travel_time)
-    if found is None:
+    selected = _nearest_in_time(primitives, query, best_costs, travel_time)
+    if selected is None:
         return None
-    primitive, time = found
+    primitive, time = selected
     length, cost = _refine_length(primitives, query, displacements[primitive], weights,
                                   (primitive, int(best_steps[primitive])))
     push_time = length / query.pushing_speed + primitives.settings.push_time
@@ -141,7 +141,7 @@ def push_costs(primitives: PushPrimitives, query: SelectionQuery, displacements:
     Expect the times of pushes and of what remains after them, for the promising ones.
 
     :param displacements: shape (n, K, L, 3).
-    :param weights: of the guesses of friction, shape (K,).
+    :param weights: of the samples of friction, shape (K,).
     :return: times, shape (n, L) [s]; infinite where a push is too short or not promising.
     """
     table, grid = primitives.table, primitives.cost_to_go.grid
@@ -210,21 +210,21 @@ def _nearest_in_time(primitives: PushPrimitives, query: SelectionQuery, costs: F
     estimates = costs + np.maximum(MIN_CONTACT_TIME,
                                    estimate_travel_times(primitives, query.robot_pose))
     times: dict[tuple[float, ...], float] = {}
-    found: tuple[int, float] | None = None
+    selected: tuple[int, float] | None = None
     least = math.inf
-    for number in np.argsort(estimates, kind='stable').tolist():
-        if not math.isfinite(costs[number]):
+    for index in np.argsort(estimates, kind='stable').tolist():
+        if not math.isfinite(costs[index]):
             break
-        start = tuple(starts[number].tolist())
+        start = tuple(starts[index].tolist())
         if start not in times:
             # Where none of the best can be reached, others may be.
-            if len(times) >= PLANNED_STARTS and found is not None:
+            if len(times) >= PLANNED_STARTS and selected is not None:
                 continue
             times[start] = travel_time(Pose(*start))
-        total = float(costs[number]) + max(MIN_CONTACT_TIME, times[start])
+        total = float(costs[index]) + max(MIN_CONTACT_TIME, times[start])
         if total < least:
-            least, found = total, (number, times[start])
-    return found
+            least, selected = total, (index, times[start])
+    return selected
 
 
 def _refine_length(primitives: PushPrimitives, query: SelectionQuery, displacements: FloatArray,

@@ -20,7 +20,7 @@ from push_model.parameters import Outline, PushedObject, Support
 VERTEX_TOLERANCE = 1e-3
 TOLERANCE_RATIO = 0.005
 # Most vertices and supports; chosen: 48 vertices of a disc of 1 m diameter lie within 1.1 mm of
-# it, and friction that is spread over 12 places is nearly that over all.
+# it, and friction that is distributed over 12 points is nearly that over all.
 MAX_VERTICES = 48
 MAX_SUPPORTS = 12
 # Growth of the tolerance while there are more vertices; chosen.
@@ -56,34 +56,34 @@ def simplified_outline(outline: Outline) -> Outline:
     vertices = np.array(outline, dtype=float)
     # The two vertices that are farthest apart stay, whatever is left out.
     gaps = [np.hypot(*(vertices - vertex).T) for vertex in vertices]
-    first = max(range(len(gaps)), key=lambda number: gaps[number].max())
+    first = max(range(len(gaps)), key=lambda index: gaps[index].max())
     second = int(gaps[first].argmax())
     tolerance = min(VERTEX_TOLERANCE, TOLERANCE_RATIO * float(gaps[first].max()))
     while True:
-        kept = [first, *_between(vertices, first, second, tolerance), second,
-                *_between(vertices, second, first + len(vertices), tolerance)]
-        if len(kept) <= MAX_VERTICES:
+        remaining = [first, *_between(vertices, first, second, tolerance), second,
+                     *_between(vertices, second, first + len(vertices), tolerance)]
+        if len(remaining) <= MAX_VERTICES:
             break
         tolerance *= TOLERANCE_GROWTH
-    if len(kept) < 3:
+    if len(remaining) < 3:
         return outline
-    return tuple(outline[i] for i in sorted(number % len(vertices) for number in kept))
+    return tuple(outline[i] for i in sorted(index % len(vertices) for index in remaining))
 
 
 def _between(vertices: FloatArray, first: int, last: int, tolerance: float) -> list[int]:
-    """List the vertices between two that are kept, by number; beyond the end from 0 again."""
-    numbers = np.arange(first + 1, last)
-    if not len(numbers):
+    """List the vertices between two that remain, by index; beyond the end from 0 again."""
+    indices = np.arange(first + 1, last)
+    if not len(indices):
         return []
     count = len(vertices)
     start, end = vertices[first % count], vertices[last % count]
-    x, y = (vertices[numbers % count] - start).T
+    x, y = (vertices[indices % count] - start).T
     along_x, along_y = (end - start) / np.hypot(*(end - start))
     distances = np.abs(along_x * y - along_y * x)
     farthest = int(distances.argmax())
     if distances[farthest] <= tolerance:
         return []
-    split = int(numbers[farthest])
+    split = int(indices[farthest])
     return [*_between(vertices, first, split, tolerance), split,
             *_between(vertices, split, last, tolerance)]
 
@@ -100,27 +100,29 @@ def merged_supports(obj: PushedObject) -> tuple[Support, ...]:
     carrying = np.array(obj.loads) > 0.0
     loads = np.array(obj.loads)[carrying]
     frictions = np.array([support.friction_coefficient for support in obj.supports])[carrying]
-    places = np.array([(support.x, support.y) for support in obj.supports])[carrying]
-    costs = np.array([_merging_costs(number, places, loads) for number in range(len(loads))])
-    is_left = np.ones(len(loads), dtype=bool)
+    positions = np.array([(support.x, support.y) for support in obj.supports])[carrying]
+    costs = np.array([_merging_costs(index, positions, loads) for index in range(len(loads))])
+    is_remaining = np.ones(len(loads), dtype=bool)
     for _ in range(len(loads) - MAX_SUPPORTS):
         one, other = sorted(divmod(int(costs.argmin()), len(loads)))
         pair = np.array([one, other])
         weights = loads[pair] / loads[pair].sum()
-        places[one], frictions[one] = weights @ places[pair], weights @ frictions[pair]
+        positions[one], frictions[one] = weights @ positions[pair], weights @ frictions[pair]
         loads[one] += loads[other]
-        is_left[other] = False
+        is_remaining[other] = False
         costs[other] = costs[:, other] = np.inf
-        costs[one] = costs[:, one] = np.where(is_left, _merging_costs(one, places, loads), np.inf)
-    places, frictions, loads = places[is_left], frictions[is_left], loads[is_left]
+        costs[one] = costs[:, one] = np.where(
+            is_remaining, _merging_costs(one, positions, loads), np.inf)
+    positions, frictions, loads = (
+        values[is_remaining] for values in (positions, frictions, loads))
     fractions = loads / loads.sum()
     return tuple(Support(x, y, friction, fraction) for (x, y), friction, fraction
-                 in zip(places.tolist(), frictions.tolist(), fractions.tolist()))
+                 in zip(positions.tolist(), frictions.tolist(), fractions.tolist()))
 
 
-def _merging_costs(number: int, places: FloatArray, loads: FloatArray) -> FloatArray:
+def _merging_costs(index: int, positions: FloatArray, loads: FloatArray) -> FloatArray:
     """Compute what the loads' moment of inertia loses by merging one with each [N m^2]."""
-    squares = ((places - places[number]) ** 2).sum(axis=1)
-    costs = loads[number] * loads / (loads[number] + loads) * squares
-    costs[number] = np.inf
+    squares = ((positions - positions[index]) ** 2).sum(axis=1)
+    costs = loads[index] * loads / (loads[index] + loads) * squares
+    costs[index] = np.inf
     return costs

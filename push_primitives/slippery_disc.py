@@ -103,7 +103,7 @@ def _on_ring(obj: PushedObject) -> PushedObject:
     """Put an object on equal supports in a ring, with the same radius of gyration."""
     squared = [support.x ** 2 + support.y ** 2 for support in obj.supports]
     radius = math.sqrt(sum(squared) / len(squared))
-    angles = (math.tau * number / RING_SUPPORTS for number in range(RING_SUPPORTS))
+    angles = (math.tau * index / RING_SUPPORTS for index in range(RING_SUPPORTS))
     friction = obj.supports[0].friction_coefficient
     return dataclasses.replace(obj, supports=tuple(
         Support(radius * math.cos(angle), radius * math.sin(angle), friction)

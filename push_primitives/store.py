@@ -18,31 +18,35 @@ from push_dynamics.compiled import cache_directory
 from push_model.geometry import FloatArray
 from push_model.parameters import PushedObject, RoundRobot
 from push_primitives import (
-    contact_places, cost_settings, cost_to_go as cost_to_go_module, placement_errors,
-    table as table_module, value_iteration)
-from push_primitives.contact_places import ContactPlace
+    cost_settings, cost_to_go as cost_to_go_module, face_points, placement_errors, table as
+    table_module, value_iteration,
+)
 from push_primitives.cost_settings import CostSettings
 from push_primitives.cost_to_go import CostToGo
+from push_primitives.face_points import FacePoint
 from push_primitives.placement_errors import (
     LOCALIZED, PlacementDeviations, UNSURE, with_placement_errors)
 from push_primitives.simplification import simplified_object
 from push_primitives.slippery_disc import rotated, slippery_disc, SlipperyDisc
-from push_primitives.table import build_table, draw_learned_friction, FrictionDraws, PrimitiveTable
+from push_primitives.table import (
+    build_table, FrictionSamples, PrimitiveTable, sample_learned_friction,
+)
 from push_primitives.value_iteration import solve_cost_to_go
 from push_primitives.weights import FrictionBelief
 
 # Friction of the object that tables are made for: theirs must not depend on what a robot has
 # learned of friction so far, lest they be made anew with every push. All supports are alike, and
-# the contact is that of rubber bumpers; draws lie about both, and weights choose among them.
+# the contact is that of rubber bumpers; samples lie about both, and weights choose among them.
 REFERENCE_SUPPORT_FRICTION = 0.35
 REFERENCE_CONTACT_FRICTION = 0.5
 # Mass that tables are made for [kg]; chosen: any will do.
 REFERENCE_MASS = 3.0
 # Modules whose text decides what is in the files, besides those of the dynamics.
-SOURCES = (contact_places, table_module, placement_errors, cost_settings, cost_to_go_module,
+SOURCES = (face_points, table_module, placement_errors, cost_settings, cost_to_go_module,
            value_iteration)
 # Arrays of a table that are kept as they are.
-ARRAYS = ('place_indices', 'faces', 'tilts', 'curvatures', 'starts', 'lengths', 'displacements')
+ARRAYS = ('point_indices', 'faces', 'approach_angles', 'curvatures', 'starts', 'lengths',
+          'displacements')
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -121,8 +125,8 @@ def load_primitives(obj: PushedObject, robot: RoundRobot,
 
 def forget() -> None:
     """Drop what this process keeps in memory; files stay."""
-    for kept in (_load, _load_slippery, _table, _cost_to_go):
-        kept.cache_clear()
+    for cache in (_load, _load_slippery, _table, _cost_to_go):
+        cache.cache_clear()
 
 
 # Tens of megabytes each: a process has few objects at a time.
@@ -142,7 +146,7 @@ def _load_slippery(disc: SlipperyDisc, radius: float, settings: CostSettings) ->
 def _table(obj: PushedObject, radius: float, is_learned: bool) -> PrimitiveTable:
     if is_learned:
         # A fraction of a second, and for the present task alone: not worth a file.
-        return build_table(obj, radius, draws=draw_learned_friction(obj))
+        return build_table(obj, radius, friction_samples=sample_learned_friction(obj))
     return _table_from(_stored(_name('table', obj, radius),
                                lambda: _table_arrays(build_table(obj, radius))))
 
@@ -159,17 +163,18 @@ def _cost_to_go(obj: PushedObject, radius: float, settings: CostSettings,
 
 
 def _table_arrays(table: PrimitiveTable) -> dict[str, Any]:
-    places = [(place.face, *place.point, place.normal, place.offset) for place in table.places]
-    return {'places': np.array(places), **{name: getattr(table, name) for name in ARRAYS},
-            **table.draws._asdict(), 'radius': np.array(table.radius)}
+    points = [(point.face, *point.position, point.normal, point.offset)
+              for point in table.face_points]
+    return {'face_points': np.array(points), **{name: getattr(table, name) for name in ARRAYS},
+            **table.friction_samples._asdict(), 'radius': np.array(table.radius)}
 
 
 def _table_from(arrays: dict[str, Any]) -> PrimitiveTable:
-    places = tuple(ContactPlace(int(face), (x, y), normal, offset)
-                   for face, x, y, normal, offset in arrays['places'].tolist())
-    draws = FrictionDraws(*(arrays[name] for name in FrictionDraws._fields))
-    return PrimitiveTable(places, **{name: arrays[name] for name in ARRAYS}, draws=draws,
-                          radius=float(arrays['radius']))
+    points = tuple(FacePoint(int(face), (x, y), normal, offset)
+                   for face, x, y, normal, offset in arrays['face_points'].tolist())
+    samples = FrictionSamples(*(arrays[name] for name in FrictionSamples._fields))
+    return PrimitiveTable(points, **{name: arrays[name] for name in ARRAYS},
+                          friction_samples=samples, radius=float(arrays['radius']))
 
 
 def _name(kind: str, *key: object) -> str:

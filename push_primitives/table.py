@@ -1,11 +1,11 @@
 """
 Table of push primitives: what straight pushes and arcs do to the object, simulated.
 
-A primitive begins at rest in contact at a place of the outline. The robot then drives straight
+A primitive begins at rest in contact at a point of the outline. The robot then drives straight
 ahead, or on an arc, without steering; the contact may stick, roll and slide. One simulation for
-each primitive and each guess of friction gives the effect of all lengths. Motion at pushing speed
+each primitive and each sample of friction gives the effect of all lengths. Motion at pushing speed
 is nearly quasi-static: neither mass nor the level of friction on the floor matter, only how it is
-spread over the supports, and the friction of the contact.
+distributed over the supports, and the friction of the contact.
 """
 
 import dataclasses
@@ -23,12 +23,12 @@ from push_dynamics.step import advance
 from push_model.friction import friction_center
 from push_model.geometry import BoolArray, FloatArray, IntArray
 from push_model.parameters import PushedObject, RoundRobot
-from push_primitives.contact_places import contact_places, ContactPlace
+from push_primitives.face_points import face_points, FacePoint
 from push_primitives.member_motion import member_world, Worlds
 
 # Angles of straight pushes from the inward normal [rad], chosen: inside the friction cone of a
 # rubber bumper, and just outside.
-TILTS = (-0.45, -0.3, -0.15, 0.0, 0.15, 0.3, 0.45)
+APPROACH_ANGLES = (-0.45, -0.3, -0.15, 0.0, 0.15, 0.3, 0.45)
 # Curvatures of arcs that begin along the normal [1/m], chosen: beyond 2 / m contacts slide off.
 CURVATURES = (-2.0, -1.0, 1.0, 2.0)
 # Driven lengths at which the effect is kept [m], chosen: linear interpolation between them is
@@ -44,25 +44,25 @@ FINE_LENGTH = 0.1
 COARSE_STEP = 4e-3
 # Speed below which support friction turns viscous [m/s], as in the simulated plant.
 SMOOTHING = 1e-5
-# Guesses of friction, chosen: every support up to 40 % more or less than believed, the contact
+# Samples of friction, chosen: every support up to 40 % more or less than stated, the contact
 # 40 % less to 20 % more.
-COMMON_DRAWS = 15
-SUPPORT_SPREAD = 0.4
+COMMON_SAMPLES = 15
+SUPPORT_VARIATION = 0.4
 CONTACT_RANGE = (0.6, 1.2)
-# Guesses that matter once a slippery contact has been learned: as fractions of the believed
+# Samples that matter once a slippery contact has been learned: as fractions of the estimated
 # contact friction.
-SLIPPERY_DRAWS = 8
+SLIPPERY_SAMPLES = 8
 SLIPPERY_RANGE = (0.0, 0.6)
-# Guesses about friction that has been learned, chosen: every support up to 4 % more or less, which
+# Samples about friction that has been learned, chosen: every support up to 4 % more or less, which
 # moves the centre of friction by millimetres, and the contact by so much.
-LEARNED_DRAWS = 8
-LEARNED_SUPPORT_SPREAD = 0.04
-LEARNED_CONTACT_SPREAD = 0.03
+LEARNED_SAMPLES = 8
+LEARNED_SUPPORT_VARIATION = 0.04
+LEARNED_CONTACT_VARIATION = 0.03
 
 
-class FrictionDraws(NamedTuple):
+class FrictionSamples(NamedTuple):
     """
-    Guesses of friction; number 0 is what the object states, the rest are drawn about it.
+    Samples of friction; sample 0 is what the object states, the others are drawn about it.
 
     :param support_factors: factors on the friction of each support, shape (K, supports).
     :param contact_frictions: coefficients of contact friction, shape (K,).
@@ -79,123 +79,126 @@ class PrimitiveTable:
     """
     Effect of all primitives of an object; arrays are read-only.
 
-    :param places: ``ContactPlace`` of the outline.
-    :param place_indices: place of each primitive, shape (n,).
-    :param faces: face of that place, shape (n,).
-    :param tilts: angle of the first direction of motion from the inward normal, counter-clockwise,
-        shape (n,) [rad].
+    :param face_points: where pushes may begin, ``FacePoint`` in order.
+    :param point_indices: index of the point of each primitive, shape (n,).
+    :param faces: face of that point, shape (n,).
+    :param approach_angles: from the inward normal to the first direction of motion,
+        counter-clockwise, shape (n,) [rad].
     :param curvatures: of the robot's path, left positive, shape (n,) [1/m].
     :param starts: robot centre at the first contact and direction of motion (x, y, phi) in the
         object frame, shape (n, 3).
     :param lengths: driven lengths, increasing from 0, shape (L,) [m].
     :param displacements: pose (x, y, theta) of the object frame after driving each length, in the
         frame at the start, angle unwrapped, shape (n, K, L, 3).
-    :param draws: the ``FrictionDraws``.
+    :param friction_samples: the ``FrictionSamples``.
     :param radius: of a disc, 0 for a polygon [m].
     """
 
-    places: tuple[ContactPlace, ...]
-    place_indices: IntArray
+    face_points: tuple[FacePoint, ...]
+    point_indices: IntArray
     faces: IntArray
-    tilts: FloatArray
+    approach_angles: FloatArray
     curvatures: FloatArray
     starts: FloatArray
     lengths: FloatArray
     displacements: FloatArray
-    draws: FrictionDraws
+    friction_samples: FrictionSamples
     radius: float
 
     def __post_init__(self) -> None:
         """Freeze the arrays."""
         arrays = [getattr(self, field.name) for field in dataclasses.fields(self)]
-        for array in (*arrays, *self.draws):
+        for array in (*arrays, *self.friction_samples):
             if isinstance(array, np.ndarray):
                 array.setflags(write=False)
 
     @property
     def face_count(self) -> int:
         """Number of faces that are pushed at."""
-        return self.places[-1].face + 1
+        return self.face_points[-1].face + 1
 
     @property
     def is_curved(self) -> BoolArray:
-        """Whether the outline is curved where each place is, shape (places,)."""
+        """Whether the outline is curved at each point, shape (points,)."""
         normals: dict[int, set[float]] = {}
-        for place in self.places:
-            normals.setdefault(place.face, set()).add(place.normal)
-        return np.array([len(normals[place.face]) > 1 for place in self.places])
+        for point in self.face_points:
+            normals.setdefault(point.face, set()).add(point.normal)
+        return np.array([len(normals[point.face]) > 1 for point in self.face_points])
 
 
 class PrimitiveKinds(NamedTuple):
     """
-    Primitives by place, tilt and curvature, one after the other.
+    Primitives by point, approach angle and curvature, one after the other.
 
-    :param place_indices: shape (n,).
-    :param tilts: shape (n,) [rad].
+    :param point_indices: shape (n,).
+    :param approach_angles: shape (n,) [rad].
     :param curvatures: shape (n,) [1/m].
     """
 
-    place_indices: IntArray
-    tilts: FloatArray
+    point_indices: IntArray
+    approach_angles: FloatArray
     curvatures: FloatArray
 
 
-def draw_friction(obj: PushedObject, seed: int = 0) -> FrictionDraws:
+def sample_friction(obj: PushedObject, seed: int = 0) -> FrictionSamples:
     """
-    Draw guesses of friction about what the object states.
+    Sample friction about what the object states.
 
     :param seed: of the random numbers.
     """
     rng = np.random.default_rng(seed)
-    count = 1 + COMMON_DRAWS + SLIPPERY_DRAWS
-    factors = 1.0 + SUPPORT_SPREAD * rng.uniform(-1.0, 1.0, (count, len(obj.supports)))
+    count = 1 + COMMON_SAMPLES + SLIPPERY_SAMPLES
+    factors = 1.0 + SUPPORT_VARIATION * rng.uniform(-1.0, 1.0, (count, len(obj.supports)))
     factors[0] = 1.0
-    contact = np.concatenate([[1.0], rng.uniform(*CONTACT_RANGE, COMMON_DRAWS),
-                              np.linspace(*SLIPPERY_RANGE, SLIPPERY_DRAWS)])
-    return _draws(obj, factors, contact * obj.contact_friction_coefficient)
+    contact = np.concatenate([[1.0], rng.uniform(*CONTACT_RANGE, COMMON_SAMPLES),
+                              np.linspace(*SLIPPERY_RANGE, SLIPPERY_SAMPLES)])
+    return _friction_samples(obj, factors, contact * obj.contact_friction_coefficient)
 
 
-def draw_learned_friction(obj: PushedObject, seed: int = 0) -> FrictionDraws:
+def sample_learned_friction(obj: PushedObject, seed: int = 0) -> FrictionSamples:
     """
-    Draw guesses of friction close to what the object states, as it has been learned.
+    Sample friction close to what the object states, as it has been learned.
 
     :param seed: of the random numbers.
     """
     rng = np.random.default_rng(seed)
-    spread = rng.uniform(-1.0, 1.0, (1 + LEARNED_DRAWS, len(obj.supports) + 1))
-    spread[0] = 0.0
-    contact = obj.contact_friction_coefficient + LEARNED_CONTACT_SPREAD * spread[:, -1]
-    return _draws(obj, 1.0 + LEARNED_SUPPORT_SPREAD * spread[:, :-1], np.maximum(0.0, contact))
+    deviations = rng.uniform(-1.0, 1.0, (1 + LEARNED_SAMPLES, len(obj.supports) + 1))
+    deviations[0] = 0.0
+    contact = obj.contact_friction_coefficient + LEARNED_CONTACT_VARIATION * deviations[:, -1]
+    return _friction_samples(obj, 1.0 + LEARNED_SUPPORT_VARIATION * deviations[:, :-1],
+                             np.maximum(0.0, contact))
 
 
-def _draws(obj: PushedObject, factors: FloatArray, contact: FloatArray) -> FrictionDraws:
+def _friction_samples(obj: PushedObject, factors: FloatArray,
+                      contact: FloatArray) -> FrictionSamples:
     centers = [friction_center(_with_friction(obj, row, obj.contact_friction_coefficient))
                for row in factors]
-    return FrictionDraws(factors, contact, np.array(centers))
+    return FrictionSamples(factors, contact, np.array(centers))
 
 
 def build_table(obj: PushedObject, robot_radius: float, *, seed: int = 0,
                 lengths: Sequence[float] = LENGTHS,
-                draws: FrictionDraws | None = None) -> PrimitiveTable:
+                friction_samples: FrictionSamples | None = None) -> PrimitiveTable:
     """
     Simulate all primitives of an object.
 
     :param robot_radius: radius of the robot [m], finite.
-    :param seed: of the guesses of friction.
+    :param seed: of the samples of friction.
     :param lengths: driven lengths to keep, increasing from 0 [m].
-    :param draws: ``FrictionDraws`` in place of those of the seed.
+    :param friction_samples: ``FrictionSamples`` in place of those of the seed.
     :raises ValueError: where the radius is infinite or no face is long enough.
     """
     if not math.isfinite(robot_radius):
         raise ValueError(f'robot_radius: got {robot_radius}, expected a finite radius [m]')
-    places = contact_places(obj)
-    kinds = _primitive_kinds(obj, len(places))
-    starts = np.array([_start(places[place], tilt, robot_radius)
-                       for place, tilt in zip(kinds.place_indices.tolist(), kinds.tilts.tolist())])
-    draws = draws or draw_friction(obj, seed)
+    points = face_points(obj)
+    kinds = _primitive_kinds(obj, len(points))
+    point_of = [points[index] for index in kinds.point_indices.tolist()]
+    starts = np.array([_start(point, angle, robot_radius)
+                       for point, angle in zip(point_of, kinds.approach_angles.tolist())])
+    samples = friction_samples or sample_friction(obj, seed)
     robot = RoundRobot(radius=robot_radius, time_constant=0.0)
     bodies = [_with_friction(obj, factors, friction) for factors, friction
-              in zip(draws.support_factors, draws.contact_frictions.tolist())]
+              in zip(samples.support_factors, samples.contact_frictions.tolist())]
     displacements = np.zeros((len(starts), len(bodies), len(lengths), 3))
     worlds = Worlds(
         states=np.zeros((len(bodies), STATE_SIZE)),
@@ -212,25 +215,25 @@ def build_table(obj: PushedObject, robot_radius: float, *, seed: int = 0,
     for start, curvature, rows in zip(starts, kinds.curvatures.tolist(), displacements):
         _simulate(start, curvature, worlds, driven_lengths, rows)
     return PrimitiveTable(
-        places, kinds.place_indices,
-        np.array([places[place].face for place in kinds.place_indices.tolist()]), kinds.tilts,
-        kinds.curvatures, starts, driven_lengths, displacements, draws, obj.radius)
+        points, kinds.point_indices, np.array([point.face for point in point_of]),
+        kinds.approach_angles, kinds.curvatures, starts, driven_lengths, displacements, samples,
+        obj.radius)
 
 
-def _primitive_kinds(obj: PushedObject, place_count: int) -> PrimitiveKinds:
-    kinds = [(tilt, 0.0) for tilt in TILTS]
+def _primitive_kinds(obj: PushedObject, point_count: int) -> PrimitiveKinds:
+    kinds = [(approach_angle, 0.0) for approach_angle in APPROACH_ANGLES]
     if obj.radius == 0.0:
         kinds += [(0.0, curvature) for curvature in CURVATURES]
-    rows = [(place, *kind) for place in range(place_count) for kind in kinds]
-    places, tilts, curvatures = zip(*rows)
-    return PrimitiveKinds(np.array(places), np.array(tilts), np.array(curvatures))
+    rows = [(index, *kind) for index in range(point_count) for kind in kinds]
+    point_indices, approach_angles, curvatures = zip(*rows)
+    return PrimitiveKinds(np.array(point_indices), np.array(approach_angles), np.array(curvatures))
 
 
-def _start(place: ContactPlace, tilt: float, radius: float) -> tuple[float, float, float]:
-    """Robot centre at the first contact and direction of motion, object frame."""
-    (x, y), normal = place.point, place.normal
+def _start(point: FacePoint, approach_angle: float, radius: float) -> tuple[float, float, float]:
+    """Return the robot centre at the first contact and direction of motion, object frame."""
+    (x, y), normal = point.position, point.normal
     return (x - radius * math.cos(normal), y - radius * math.sin(normal),
-            math.remainder(normal + tilt, 2.0 * math.pi))
+            math.remainder(normal + approach_angle, 2.0 * math.pi))
 
 
 def _with_friction(obj: PushedObject, factors: FloatArray, friction: float) -> PushedObject:

@@ -3,7 +3,7 @@ Value iteration: how the cost-to-go of an object is computed.
 
 The goal in the frame of the object, at distance r, bearing beta and heading theta, and the face f
 at which the robot stands make a state. With the time a(f, f') to get from face to face and to
-begin a push there, primitives p of length l at face f', speed v and guesses k of friction,
+begin a push there, primitives p of length l at face f', speed v and samples k of friction,
 
     V(f, g) = min over f', p, l of  a(f, f') + l / v + t_0 + mean over k of V(f', g_k(p, l)),
 
@@ -37,16 +37,16 @@ MAX_DISTANCE = 3.3
 HEADING_RATIO = 1.57
 MAX_HEADING_STEP = math.radians(30.0)
 BEARINGS = 32
-# Guess of friction numbers that V averages over, chosen: draw 0 is nominal.
-AVERAGED_DRAWS = (1, 2, 3, 4)
+# Indices of the friction samples that V averages over, chosen: sample 0 is nominal.
+AVERAGED_SAMPLES = (1, 2, 3, 4)
 # Part of a robot's path round the object over the arc between the middles of two faces, chosen:
 # paths cut corners.
 ARC_FRACTION = 0.8
-# Distance of that path from the places where pushes begin [m], chosen: the usual clearance.
+# Distance of that path from the points where pushes begin [m], chosen: the usual clearance.
 ARC_CLEARANCE = 0.08
-# Every this many-th place of a polygon's face is an action of V, and every tilt up to the largest.
-PLACE_STRIDE = 2
-ACTION_TILTS = (-0.3, 0.0, 0.3)
+# Every this many-th point of a polygon's face is an action of V, at these approach angles [rad].
+POINT_STRIDE = 2
+ACTION_ANGLES = (-0.3, 0.0, 0.3)
 # Shortest primitives that are actions, relative to the position tolerance.
 SHORTEST_ACTION = 0.6
 # Actions that are kept for each state and face; every this many-th bearing and heading selects
@@ -65,7 +65,7 @@ HIGH_ROUNDS = (4, 4)
 
 class Actions(NamedTuple):
     """
-    Pushes that value iteration chooses from, shortest first; m of them, S guesses of friction.
+    Pushes that value iteration chooses from, shortest first; m of them, S samples of friction.
 
     :param displacements: of the object, in its frame, shape (m, S, 3).
     :param means: their mean, shape (m, 3).
@@ -189,12 +189,12 @@ def heading_grid(limit: float) -> FloatArray:
 
 def face_change_times(table: PrimitiveTable, settings: CostSettings) -> FloatArray:
     """
-    Estimate the time from the end of a push at one face to the begin of one at another.
+    Estimate the time from the end of a push at one face to the start of one at another.
 
     :return: times, shape (F, F) [s].
     """
-    points = np.array([place.point for place in table.places])
-    faces = np.array([place.face for place in table.places])
+    points = np.array([point.position for point in table.face_points])
+    faces = np.array([point.face for point in table.face_points])
     middles = np.array([points[faces == face].mean(axis=0) for face in range(table.face_count)])
     bearings = np.arctan2(middles[:, 1], middles[:, 0])
     turns = np.abs(np.angle(np.exp(1j * (bearings[:, None] - bearings[None]))))
@@ -210,17 +210,18 @@ def select_actions(table: PrimitiveTable, settings: CostSettings,
 
     :param deviations: ``PlacementDeviations`` of the pushes.
     """
-    numbers = np.flatnonzero(
-        (table.is_curved[table.place_indices] | (table.place_indices % PLACE_STRIDE == 0))
-        & np.isclose(np.abs(table.tilts)[:, None], np.abs(ACTION_TILTS)).any(axis=1))
+    indices = np.flatnonzero(
+        (table.is_curved[table.point_indices] | (table.point_indices % POINT_STRIDE == 0))
+        & np.isclose(np.abs(table.approach_angles)[:, None], np.abs(ACTION_ANGLES)).any(axis=1))
     steps = np.flatnonzero(table.lengths >= SHORTEST_ACTION * settings.position_tolerance)
-    draws = [draw for draw in AVERAGED_DRAWS if draw < table.displacements.shape[1]] or [0]
-    displacements = with_placement_errors(table, deviations)[numbers][:, draws][:, :, steps]
-    displacements = displacements.transpose(2, 0, 1, 3).reshape(-1, len(draws), 3)
+    sample_count = table.displacements.shape[1]
+    samples = [sample for sample in AVERAGED_SAMPLES if sample < sample_count] or [0]
+    displacements = with_placement_errors(table, deviations)[indices][:, samples][:, :, steps]
+    displacements = displacements.transpose(2, 0, 1, 3).reshape(-1, len(samples), 3)
     times = np.repeat(table.lengths[steps] / settings.pushing_speed + settings.push_time,
-                      len(numbers))
+                      len(indices))
     return Actions(np.ascontiguousarray(displacements), displacements.mean(axis=1),
-                   np.tile(table.faces[numbers], len(steps)), times)
+                   np.tile(table.faces[indices], len(steps)), times)
 
 
 def _selection(values: NDArray[np.float32], action_count: int) -> Selection:
@@ -386,8 +387,8 @@ def _best_cost(iteration: Iteration, goal: Pose, selected: Any) -> float:
         if action < 0:
             break
         total = actions.times[action] * count
-        for draw in range(count):
-            total += cost_after(grid, goal, actions.displacements[action, draw],
+        for sample in range(count):
+            total += cost_after(grid, goal, actions.displacements[action, sample],
                                 actions.faces[action])
             if total >= best * count:
                 break

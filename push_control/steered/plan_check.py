@@ -11,7 +11,7 @@ from push_model.geometry import BoolArray, distance, FloatArray, Pose, wrap_angl
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.trajectory import PushLine, PushTrajectory
 from push_navigation.occupancy_map import OccupancyMap
-from push_primitives.contact_places import contact_places
+from push_primitives.face_points import face_points
 from push_primitives.simplification import simplified_object
 
 # Speed and yaw rate of a plan over the limits of the robot; chosen: planners keep to the limits,
@@ -172,7 +172,7 @@ def _greatest_distance(poses: FloatArray, others: FloatArray) -> float:
 
 def _check_face(line: PushLine, obj: PushedObject) -> None:
     """Refuse a push at a face that this object does not have."""
-    last = contact_places(simplified_object(obj))[-1].face
+    last = face_points(simplified_object(obj))[-1].face
     if line.face > last:
         raise ValueError(f'the plan is for another object: got a push at face {line.face}, '
                          f'expected one from 0 to {last}')

@@ -133,7 +133,7 @@ def lay_out(request: PlanRequest, robot: RoundRobot, settings: PlannerSettings,
     report = {
         'path_length': selected.length, 'travel_time': selected.travel_time,
         'expected_remaining': selected.remaining_time,
-        'tilt': float(table.tilts[selected.primitive]),
+        'tilt': float(table.approach_angles[selected.primitive]),
         'curvature': float(table.curvatures[selected.primitive])}
     return StraightPlan(trajectory, contact, path, selected.length, selected.expected_time,
                         report)

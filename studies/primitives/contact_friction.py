@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 import numpy as np
 from push_primitives.store import reference_object
-from push_primitives.table import build_table, draw_friction, FrictionDraws, PrimitiveTable
+from push_primitives.table import build_table, FrictionSamples, PrimitiveTable, sample_friction
 from studies.framework import plot_style
 from studies.framework.parameters import Parameter, Values
 from studies.framework.study import Finding, Outcome, RunJobs, Study, Table
@@ -49,24 +49,24 @@ def compute(values: Values, _: RunJobs) -> Outcome:
     """Simulate the pushes for every friction and guess."""
     obj = reference_object(named_object(values.object))
     table = build_table(obj, named_robot(values.robot).radius, lengths=(0.0, values.length),
-                        draws=_draws(draw_friction(obj), values))
+                        friction_samples=_draws(sample_friction(obj), values))
     tables = {push.name: _rows(table, push, values) for push in PUSHES}
     return Outcome(tables, _findings(tables, values))
 
 
-def _draws(guesses: FrictionDraws, values: Values) -> FrictionDraws:
+def _draws(guesses: FrictionSamples, values: Values) -> FrictionSamples:
     """Combine every contact friction with the same guesses of the supports."""
     count, frictions = int(values.guesses), len(values.frictions)
-    return FrictionDraws(np.tile(guesses.support_factors[:count], (frictions, 1)),
-                         np.repeat(np.array(values.frictions, dtype=float), count),
-                         np.tile(guesses.centers[:count], (frictions, 1)))
+    return FrictionSamples(np.tile(guesses.support_factors[:count], (frictions, 1)),
+                           np.repeat(np.array(values.frictions, dtype=float), count),
+                           np.tile(guesses.centers[:count], (frictions, 1)))
 
 
 def _rows(table: PrimitiveTable, push: ShownPush, values: Values) -> Table:
     numbers = find_primitives(table, push.tilt * values.tilt)
     numbers = numbers[table.faces[numbers] == 0]
-    offsets = np.array([table.places[place].offset
-                        for place in table.place_indices[numbers].tolist()])
+    offsets = np.array([table.face_points[place].offset
+                        for place in table.point_indices[numbers].tolist()])
     number = numbers[[int(np.argmin(np.abs(offsets - push.offset * values.offset)))]]
     shape = (len(values.frictions), int(values.guesses), 3)
     # Each friction apart, as if its guesses were all there are.

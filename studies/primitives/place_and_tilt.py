@@ -31,12 +31,12 @@ def compute(values: Values, _: RunJobs) -> Outcome:
 
 def _rows(table: PrimitiveTable, values: Values, tilt: float) -> Table:
     numbers = find_primitives(table, tilt)
-    is_round = len({place.normal for place in table.places}) == len(table.places)
+    is_round = len({place.normal for place in table.face_points}) == len(table.face_points)
     if not is_round:
         numbers = numbers[table.faces[numbers] == 0]
     lengths = np.array(values.lengths)
     effects = effects_at(table, numbers, lengths)
-    offsets = [table.places[place].offset for place in table.place_indices[numbers].tolist()]
+    offsets = [table.face_points[place].offset for place in table.point_indices[numbers].tolist()]
     columns: Table = {
         'tilt_rad': np.full(len(numbers) * len(lengths), tilt),
         'length_m': np.tile(lengths, len(numbers)), 'offset_m': np.repeat(offsets, len(lengths))}

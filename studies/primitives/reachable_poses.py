@@ -77,7 +77,8 @@ def _effects(primitives: PushPrimitives, lengths: FloatArray) -> Table:
     variances, axes = np.linalg.eigh(covariances)
     deviations = np.sqrt(np.maximum(variances, 0.0))
     return {
-        'length_m': np.tile(lengths, count), 'tilt_rad': np.repeat(table.tilts, len(lengths)),
+        'length_m': np.tile(lengths, count),
+        'tilt_rad': np.repeat(table.approach_angles, len(lengths)),
         'curvature_per_m': np.repeat(table.curvatures, len(lengths)),
         'face': np.repeat(table.faces, len(lengths)),
         'x_m': means[:, 0], 'y_m': means[:, 1], 'theta_rad': means[:, 2],

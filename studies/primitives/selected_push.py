@@ -95,7 +95,8 @@ class PushSelection:
         table, number = primitives.table, selected.primitive
         return {
             'kind': kind_of(primitives, selected).value,
-            'place': int(table.place_indices[number]), 'tilt': float(table.tilts[number]),
+            'place': int(table.point_indices[number]),
+            'tilt': float(table.approach_angles[number]),
             'curvature': float(table.curvatures[number]), 'length': selected.length,
             'expected_time': selected.expected_time}
 
@@ -121,10 +122,10 @@ def kind_of(primitives: PushPrimitives, selected: SelectedPush) -> Kind:
         return Kind.TAP
     if table.curvatures[number]:
         return Kind.ARC
-    if abs(table.tilts[number]) > MIN_TILT:
+    if abs(table.approach_angles[number]) > MIN_TILT:
         return Kind.TILTED
-    place = table.places[int(table.place_indices[number])]
-    largest = max(abs(other.offset) for other in table.places if other.face == place.face)
+    place = table.face_points[int(table.point_indices[number])]
+    largest = max(abs(other.offset) for other in table.face_points if other.face == place.face)
     return Kind.MIDDLE if abs(place.offset) < MIDDLE_FRACTION * largest else Kind.BESIDE
 
 

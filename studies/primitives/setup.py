@@ -10,7 +10,7 @@ from push_model.geometry import FloatArray, IntArray, Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_primitives.selection import interpolate_displacements
 from push_primitives.store import load_primitives, PushPrimitives
-from push_primitives.table import COMMON_DRAWS, PrimitiveTable
+from push_primitives.table import COMMON_SAMPLES, PrimitiveTable
 from push_scenario.plots.drawing import outline
 from studies.framework.parameters import Parameter
 
@@ -20,7 +20,7 @@ ROBOT = Parameter('robot', '', 'robot, the name of a file in config/robots')
 LENGTHS = Parameter('lengths', 'm', 'driven lengths of the pushes')
 MILLIMETRES = 1000.0
 # Guesses of friction that the spread is over, the nominal one included.
-COMMON = slice(0, 1 + COMMON_DRAWS)
+COMMON = slice(0, 1 + COMMON_SAMPLES)
 # Tilts and curvatures of the table are compared to this [rad, 1/m].
 ROUNDING = 1e-6
 
@@ -79,10 +79,10 @@ def find_primitives(table: PrimitiveTable, tilt: float, curvature: float = 0.0) 
     :return: their numbers, place by place, shape (places,).
     :raises ValueError: where the table has none.
     """
-    found = np.flatnonzero((np.abs(table.tilts - tilt) < ROUNDING)
+    found = np.flatnonzero((np.abs(table.approach_angles - tilt) < ROUNDING)
                            & (np.abs(table.curvatures - curvature) < ROUNDING))
     if not len(found):
-        tilts = ', '.join(f'{known:g}' for known in np.unique(table.tilts))
+        tilts = ', '.join(f'{known:g}' for known in np.unique(table.approach_angles))
         raise ValueError(f'tilt: got {tilt:g} rad with {curvature:g} / m, expected one of {tilts}')
     return found
 
@@ -100,8 +100,8 @@ def effects_at(table: PrimitiveTable, numbers: IntArray, lengths: FloatArray,
     """
     displacements = interpolate_displacements(
         table.lengths, table.displacements[numbers][:, draws], np.asarray(lengths, dtype=float))
-    normals = np.array([table.places[place].normal
-                        for place in table.place_indices[numbers].tolist()])
+    normals = np.array([table.face_points[place].normal
+                        for place in table.point_indices[numbers].tolist()])
     c, s = np.cos(normals)[:, None, None], np.sin(normals)[:, None, None]
     x, y, theta = np.moveaxis(displacements, -1, 0)
     effects = np.stack([s * x - c * y, c * x + s * y, theta], axis=-1)

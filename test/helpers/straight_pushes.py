@@ -10,8 +10,8 @@ from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
 from push_model.signals import Twist
 from push_model.trajectory import PushLine, PushStyle, PushTrajectory
-from push_primitives.contact_places import contact_places
 from push_primitives.cost_settings import CostSettings
+from push_primitives.face_points import face_points
 from push_primitives.store import load_primitives
 from push_sim_node.plant import Plant
 
@@ -50,9 +50,9 @@ def straight_push(obj, start, length, curvature=0.0, object_pose=Pose(0.0, 0.0, 
 
 
 def _face(obj, arm, object_pose):
-    """Find the face of the place that is next to the first contact."""
-    point = Pose(0.0, 0.0, -object_pose.theta).rotate(arm)
-    return min(contact_places(obj), key=lambda place: math.dist(place.point, point)).face
+    """Find the face of the point that is nearest to the first contact."""
+    contact = Pose(0.0, 0.0, -object_pose.theta).rotate(arm)
+    return min(face_points(obj), key=lambda point: math.dist(point.position, contact)).face
 
 
 def _row(plant, obj):

@@ -12,7 +12,7 @@ from push_primitives.cost_settings import CostSettings
 from push_primitives.cost_to_go import CostToGo
 from push_primitives.placement_errors import PlacementDeviations
 from push_primitives.store import load_primitives
-from push_primitives.table import build_table, draw_friction, FrictionDraws
+from push_primitives.table import build_table, FrictionSamples, sample_friction
 from push_primitives.value_iteration import (
     distance_grid, face_change_times, heading_grid, select_actions, solve_cost_to_go,
 )
@@ -33,8 +33,8 @@ def primitives():
 @pytest.fixture(scope='module')
 def table():
     """Return the table of a bin for nominal friction only."""
-    return build_table(BIN, RADIUS,
-                       draws=FrictionDraws(*(array[:1] for array in draw_friction(BIN))))
+    nominal = FrictionSamples(*(array[:1] for array in sample_friction(BIN)))
+    return build_table(BIN, RADIUS, friction_samples=nominal)
 
 
 @pytest.fixture
@@ -87,8 +87,9 @@ def test_bellman_equation_holds(primitives):
 def test_the_mirrored_goal_is_as_far(few_bearings):
     """The box is symmetric about its x axis, which swaps its first and third face."""
     obj = box(foot=0.17)
-    draws = FrictionDraws(*(array[:1] for array in draw_friction(obj)))
-    values = solve_cost_to_go(build_table(obj, RADIUS, draws=draws), deviations=EXACT).values
+    nominal = FrictionSamples(*(array[:1] for array in sample_friction(obj)))
+    table = build_table(obj, RADIUS, friction_samples=nominal)
+    values = solve_cost_to_go(table, deviations=EXACT).values
     mirrored = values[[2, 1, 0, 3]][:, :, (-np.arange(few_bearings)) % few_bearings, ::-1]
     outside = values > 0.0
     np.testing.assert_array_equal(outside, mirrored > 0.0)

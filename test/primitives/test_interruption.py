@@ -5,7 +5,7 @@ import time
 from typing import Callable, Iterator
 
 from helpers.objects import bin_
-from push_primitives.table import build_table, draw_friction, FrictionDraws, PrimitiveTable
+from push_primitives.table import build_table, FrictionSamples, PrimitiveTable, sample_friction
 from push_primitives.value_iteration import solve_cost_to_go
 import pytest
 
@@ -18,8 +18,8 @@ EARLY, SOON = 0.02, 0.1
 @pytest.fixture(scope='module')
 def table() -> PrimitiveTable:
     """Return the table of a bin for nominal friction only."""
-    return build_table(BIN, RADIUS,
-                       draws=FrictionDraws(*(array[:1] for array in draw_friction(BIN))))
+    nominal = FrictionSamples(*(array[:1] for array in sample_friction(BIN)))
+    return build_table(BIN, RADIUS, friction_samples=nominal)
 
 
 @pytest.fixture

@@ -15,7 +15,7 @@ from push_primitives.selection import (
     estimate_travel_times, interpolate_displacements, MIN_CONTACT_TIME, push_costs, select_push,
     SelectionQuery,
 )
-from push_primitives.weights import draw_weights, FrictionBelief
+from push_primitives.weights import FrictionBelief, sample_weights
 import pytest
 
 BIN = bin_(feet=4)
@@ -71,17 +71,17 @@ def test_standing_at_the_place_makes_no_push_free(primitives):
 def test_the_expectation_is_that_of_plain_numpy(primitives):
     """The compiled kernel averages V over the weighted guesses."""
     asked = query(GOALS[1])
-    weights = draw_weights(primitives.table.draws, BELIEF)
+    weights = sample_weights(primitives.table.friction_samples, BELIEF)
     displacements = primitives.localized_displacements
     costs = push_costs(primitives, asked, displacements, weights)
     chosen = np.argwhere(np.isfinite(costs))[::97]
     assert len(chosen) > 10
-    for number, step in chosen.tolist():
+    for index, step in chosen.tolist():
         after = [primitives.cost_to_go.at(Pose(*displacement).inverse() @ asked.goal,
-                                          int(primitives.table.faces[number]))
-                 for displacement in displacements[number, :, step]]
+                                          int(primitives.table.faces[index]))
+                 for displacement in displacements[index, :, step]]
         time = primitives.table.lengths[step] / 0.17 + primitives.settings.push_time
-        assert costs[number, step] == pytest.approx(float(weights @ after) + time, rel=1e-6)
+        assert costs[index, step] == pytest.approx(float(weights @ after) + time, rel=1e-6)
 
 
 def test_starts_without_a_path_are_left_out(primitives):
@@ -119,18 +119,18 @@ def test_effects_scatter_more_by_an_unsure_robot(primitives):
 
 def test_weights_follow_what_is_known_and_never_collapse(primitives):
     """Slippery guesses count once a slippery contact has been learned; four share the weight."""
-    draws = primitives.table.draws
-    slippery = draws.contact_frictions < 0.3 * 0.5
-    usual = draw_weights(draws, BELIEF)
-    learned = draw_weights(draws, BELIEF._replace(contact_friction=0.05,
-                                                  contact_friction_deviation=0.02))
+    samples = primitives.table.friction_samples
+    slippery = samples.contact_frictions < 0.3 * 0.5
+    usual = sample_weights(samples, BELIEF)
+    learned = sample_weights(samples, BELIEF._replace(contact_friction=0.05,
+                                                      contact_friction_deviation=0.02))
     assert usual[slippery].sum() < 0.05 < 0.5 < learned[slippery].sum()
     for center in ((0.0, 0.0), (0.03, -0.02), (1.0, 0.0)):
-        weights = draw_weights(draws, BELIEF._replace(center=center, center_deviation=0.0))
+        weights = sample_weights(samples, BELIEF._replace(center=center, center_deviation=0.0))
         assert weights.sum() == pytest.approx(1.0)
         assert 1.0 / (weights ** 2).sum() >= 4.0 - 1e-6
-    aside = draw_weights(draws, BELIEF._replace(center=(0.02, 0.0), center_deviation=0.001))
-    assert aside @ draws.centers[:, 0] > 0.005
+    aside = sample_weights(samples, BELIEF._replace(center=(0.02, 0.0), center_deviation=0.001))
+    assert aside @ samples.centers[:, 0] > 0.005
 
 
 def test_lengths_between_those_of_the_table_are_interpolated(primitives):
@@ -162,7 +162,7 @@ def test_the_store_returns_the_same_bits(monkeypatch, tmp_path):
         assert other.table is not first.table
         np.testing.assert_array_equal(other.table.displacements, first.table.displacements)
         np.testing.assert_array_equal(other.cost_to_go.values, first.cost_to_go.values)
-        assert other.table.places == first.table.places
+        assert other.table.face_points == first.table.face_points
 
 
 def test_what_another_process_is_making_is_waited_for(monkeypatch, tmp_path, primitives):

@@ -12,7 +12,7 @@ from push_primitives import store, value_iteration
 from push_primitives.cost_settings import CostSettings
 from push_primitives.cost_to_go import CostToGo
 from push_primitives.slippery_disc import CENTER_STEP, rotated, slippery_disc
-from push_primitives.table import build_table, draw_learned_friction, SLIPPERY_DRAWS
+from push_primitives.table import build_table, sample_learned_friction, SLIPPERY_SAMPLES
 from push_primitives.weights import FrictionBelief
 import pytest
 
@@ -44,14 +44,14 @@ def test_only_the_centre_of_friction_turns_a_disc_without_contact_friction():
     """It falls behind: pushed at right angles to it, the disc turns by p / c^2 per distance."""
     distance = 0.01
     disc = slippery_disc(BIN, KNOWN._replace(center=(distance, 0.0)))
-    table = build_table(disc.ring, 0.17, draws=draw_learned_friction(disc.ring))
+    table = build_table(disc.ring, 0.17, friction_samples=sample_learned_friction(disc.ring))
     p = friction_center(disc.ring)[0]
     for angle in (0.0, 0.5 * math.pi, math.pi, -0.5 * math.pi):
         errors = np.abs(np.remainder(table.starts[:, 2] - angle + math.pi, math.tau) - math.pi)
-        number = int(np.flatnonzero((errors < 1e-6) & (table.tilts == 0.0))[0])
+        index = int(np.flatnonzero((errors < 1e-6) & (table.approach_angles == 0.0))[0])
         step = int(np.searchsorted(table.lengths, 0.09))
-        # Draw 0 is what is known.
-        x, y, heading = table.displacements[number, 0, step]
+        # Sample 0 is what is known.
+        x, y, heading = table.displacements[index, 0, step]
         rate = heading / math.hypot(x, y)
         assert rate == pytest.approx(-math.sin(angle) * p / SQUARED_GYRATION, abs=0.1)
 
@@ -70,14 +70,14 @@ def test_a_rotated_disc_has_the_same_cost_to_go():
                     == pytest.approx(sorted(solved.at(goal, face) for face in range(4))))
 
 
-def test_guesses_about_learned_friction_are_close_to_it():
+def test_samples_about_learned_friction_are_close_to_it():
     """The first is what was learned; none has a negative contact friction."""
     learned = slippery_disc(BIN, KNOWN).obj
-    draws = draw_learned_friction(learned)
-    np.testing.assert_allclose(draws.centers[0], friction_center(learned))
-    assert len(draws.centers) > SLIPPERY_DRAWS
-    assert np.hypot(*(draws.centers - draws.centers[0]).T).max() < 0.01
-    assert draws.contact_frictions.min() >= 0.0 and draws.contact_frictions.max() < 0.05
+    samples = sample_learned_friction(learned)
+    np.testing.assert_allclose(samples.centers[0], friction_center(learned))
+    assert len(samples.centers) > SLIPPERY_SAMPLES
+    assert np.hypot(*(samples.centers - samples.centers[0]).T).max() < 0.01
+    assert samples.contact_frictions.min() >= 0.0 and samples.contact_frictions.max() < 0.05
 
 
 @pytest.mark.slow

@@ -37,7 +37,7 @@ from push_planner.straight.trajectory import greatest_speed
 from push_primitives.cost_settings import CONTACT_PATHS
 from push_primitives.selection import SelectedPush, UNSURE_DEVIATION
 from push_primitives.store import PushPrimitives
-from push_primitives.weights import draw_weights
+from push_primitives.weights import sample_weights
 
 # Part of the clearance of the settings that the object keeps, besides the uncertainty of a push;
 # chosen: half of 5 cm leaves doors of 1.25 times the width of the object.
@@ -208,7 +208,7 @@ class _MapPlanner:
         if length_at(grid, poses.start.x, poses.start.y) >= UNREACHED:
             raise self._too_narrow(poses.start, poses.goal, 2.0 * needed)
         primitives = primitives_for(request, self._robot, self._drive)
-        weights = draw_weights(primitives.table.draws, friction_belief(request))
+        weights = sample_weights(primitives.table.friction_samples, friction_belief(request))
         pushes = make_pushes(primitives, request.obj, self._robot.radius, weights,
                              is_localized=request.robot_deviation <= UNSURE_DEVIATION)
         search = MapSearch(scene, pushes, grid, primitives.cost_to_go,

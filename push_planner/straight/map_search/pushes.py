@@ -14,10 +14,10 @@ from push_primitives.table import PrimitiveTable
 # Lengths at which pushes of the search may end, of those of the table [m]; chosen: in ratios of
 # about 1.6. Pushes on to the goal end anywhere.
 END_LENGTHS = (0.045, 0.09, 0.16, 0.28, 0.48, 0.62, 0.8)
-# Every this many-th place of a face, and tilts up to this, are used before the last push; chosen:
+# Every this many-th point of a face, and angles up to this, are used before the last push; chosen:
 # as many as the cost-to-go has, with those between.
-PLACE_STRIDE = 2
-MAX_TILT = 0.31
+POINT_STRIDE = 2
+MAX_APPROACH_ANGLE = 0.31
 # A contact counts as lost where it is nearer to a vertex than this, or the gap more than this [m].
 VERTEX_DISTANCE = 0.005
 LOST_GAP = 0.012
@@ -136,18 +136,18 @@ def _effects(displacements: FloatArray, weights: FloatArray, contacts: _Contacts
 @functools.lru_cache(maxsize=8)
 def _starts(table: PrimitiveTable, obj: PushedObject, robot_radius: float) -> _Starts:
     primitives = np.flatnonzero(table.curvatures == 0.0)
-    places = table.place_indices[primitives]
-    tilts = np.abs(table.tilts[primitives])
-    coarse = np.where(table.is_curved[places], np.isclose(tilts, 0.0),
-                      (tilts <= MAX_TILT) & (places % PLACE_STRIDE == 0))
+    point_indices = table.point_indices[primitives]
+    angles = np.abs(table.approach_angles[primitives])
+    coarse = np.where(table.is_curved[point_indices], np.isclose(angles, 0.0),
+                      (angles <= MAX_APPROACH_ANGLE) & (point_indices % POINT_STRIDE == 0))
     is_end = np.asarray(np.isclose(table.lengths[:, None], END_LENGTHS).any(axis=1), dtype=bool)
     sides, middles, normals = [], [], []
     for face in range(table.face_count):
-        own = [place for place in table.places if place.face == face]
-        points = np.array([place.point for place in own])
+        own = [point for point in table.face_points if point.face == face]
+        points = np.array([point.position for point in own])
         angle = own[len(own) // 2].normal
         normal = np.array([math.cos(angle), math.sin(angle)])
-        if len({place.normal for place in own}) > 1:
+        if len({point.normal for point in own}) > 1:
             point = points[len(own) // 2]
             sides.append((*_circle_through(points), 0.0, math.inf))
         else:

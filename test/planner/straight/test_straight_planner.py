@@ -13,7 +13,7 @@ from push_planner.problem import PlanningFailed
 from push_planner.settings import PlannerSettings
 from push_planner.straight.planner import plan_straight_push
 from push_planner.straight.trajectory import greatest_speed, MIN_SPEED, touch_speed
-from push_primitives.contact_places import contact_places
+from push_primitives.face_points import face_points
 import pytest
 
 pytestmark = pytest.mark.slow
@@ -72,8 +72,8 @@ def test_a_plan_states_the_line_that_its_samples_follow(robot, goal):
     assert math.remainder(directions[0] - first, math.tau) == pytest.approx(0.0, abs=1e-9)
     np.testing.assert_allclose(np.diff(directions), line.curvature * spacing, atol=1e-9)
     contact = HERE.inverse().transform(trajectory.contact_poses[0, :2])
-    nearest = min(contact_places(BIN), key=lambda place: math.dist(place.point, contact))
-    assert math.dist(nearest.point, contact) < 1e-3
+    nearest = min(face_points(BIN), key=lambda point: math.dist(point.position, contact))
+    assert math.dist(nearest.position, contact) < 1e-3
     assert line.face == nearest.face
 
 

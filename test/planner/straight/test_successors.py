@@ -39,7 +39,7 @@ ROOM = walled_room((-0.05, 0.05, -3.0, -0.6), (-0.05, 0.05, 0.6, 3.0), (-2.4, -1
 def pushes():
     """Return the straight pushes of the box; each sample of friction counts as much."""
     primitives = load_primitives(BOX, ROBOT)
-    count = len(primitives.table.draws.contact_frictions)
+    count = len(primitives.table.friction_samples.contact_frictions)
     return make_pushes(primitives, BOX, ROBOT.radius, np.full(count, 1.0 / count), True)
 
 

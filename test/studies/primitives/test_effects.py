@@ -24,7 +24,7 @@ def nominal_effects(table, tilt, face=0):
 
 
 def test_a_push_without_length_does_nothing(table):
-    effects = effects_at(table, np.arange(len(table.tilts)), LENGTHS[:1])
+    effects = effects_at(table, np.arange(len(table.approach_angles)), LENGTHS[:1])
     assert not effects.means.any() and not effects.deviations.any()
 
 

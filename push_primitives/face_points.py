@@ -1,4 +1,4 @@
-"""Places on the outline of an object where a push may begin."""
+"""Points on the outline of an object where a push may begin."""
 
 from collections.abc import Sequence
 import itertools
@@ -9,17 +9,17 @@ import numpy as np
 from push_model.geometry import wrap_angle
 from push_model.parameters import Outline, PushedObject
 
-# Shortest face that is pushed at [m], chosen: the places below leave a third of it for errors of
+# Shortest face that is pushed at [m], chosen: the points below leave a third of it for errors of
 # placement.
 MIN_FACE_LENGTH = 0.15
-# Distance of the outermost places from the vertices [m], chosen: about two deviations of where a
+# Distance of the outermost points from the vertices [m], chosen: about two deviations of where a
 # localized robot touches.
 VERTEX_DISTANCE = 0.015
-# Places of a face and of a disc, chosen: 26 mm apart on a face of 0.4 m, which is less than the
+# Points of a face and of a disc, chosen: 26 mm apart on a face of 0.4 m, which is less than the
 # effect of a push changes noticeably over, and 7.5 degrees apart on a disc, which
 # rolls off along the normal however it is pushed: at 15 degrees it gets stuck beside walls.
-PLACES_PER_FACE = 15
-PLACES_OF_DISC = 48
+POINTS_PER_FACE = 15
+POINTS_OF_DISC = 48
 # A disc has no faces; these many sectors of it count as such.
 DISC_SECTORS = 4
 # Sharpest turn of an outline at a vertex of a curve [rad]; chosen: a regular polygon of twelve
@@ -27,25 +27,25 @@ DISC_SECTORS = 4
 SHARPEST_TURN = 0.53
 # Part of the outline that a face takes that lies in a curve, at least; chosen: at most 12 faces.
 CURVE_FACE_RATIO = 0.08
-# Sectors of a curve that goes all round, and places of a sector; chosen: as on discs.
+# Sectors of a curve that goes all round, and points of a sector; chosen: as on discs.
 CURVE_SECTORS = DISC_SECTORS
-PLACES_PER_SECTOR = PLACES_OF_DISC // DISC_SECTORS
+POINTS_PER_SECTOR = POINTS_OF_DISC // DISC_SECTORS
 
 
-class ContactPlace(NamedTuple):
+class FacePoint(NamedTuple):
     """
-    A place on the outline where a push may begin, in the object frame.
+    A point of the outline where a push may begin, in the object frame.
 
-    :param face: number of the face among those that are pushed at, from 0; of the sector of a
-        disc or of a curve.
-    :param point: (x, y) on the outline [m].
+    :param face: index of the face among those that are pushed at, or of the sector of a disc or
+        of a curve.
+    :param position: (x, y) on the outline [m].
     :param normal: angle of the inward contact normal [rad].
     :param offset: distance along the face or the sector of a curve from its middle,
         counter-clockwise about the object [m]; on a disc the angle of the point times the radius.
     """
 
     face: int
-    point: tuple[float, float]
+    position: tuple[float, float]
     normal: float
     offset: float
 
@@ -68,46 +68,46 @@ class _Edge(NamedTuple):
         """Angle [rad]."""
         return math.atan2(self.along[1], self.along[0])
 
-    def place(self, face: int, distance: float, offset: float) -> ContactPlace:
+    def point(self, face: int, distance: float, offset: float) -> FacePoint:
         """
-        Make a place.
+        Make a point.
 
-        :param face: its number.
+        :param face: its index.
         :param distance: from the first vertex [m].
-        :param offset: of the place [m].
+        :param offset: of the point [m].
         """
-        point = (self.start[0] + distance * self.along[0],
-                 self.start[1] + distance * self.along[1])
-        return ContactPlace(face, point, math.atan2(self.along[0], -self.along[1]), offset)
+        position = (self.start[0] + distance * self.along[0],
+                    self.start[1] + distance * self.along[1])
+        return FacePoint(face, position, math.atan2(self.along[0], -self.along[1]), offset)
 
 
-def contact_places(obj: PushedObject) -> tuple[ContactPlace, ...]:
+def face_points(obj: PushedObject) -> tuple[FacePoint, ...]:
     """
-    List the places where a push may begin, face by face, counter-clockwise.
+    List the points where a push may begin, face by face, counter-clockwise.
 
     Short edges that turn but little from one to the next make a curve, whose sectors count as
     faces. So does the whole outline where all faces are short. Outlines of more than some dozen
     vertices should be simplified before.
 
-    :return: ``ContactPlace`` of every face or curve of at least 0.15 m, or round a disc.
+    :return: ``FacePoint`` of every face or curve of at least 0.15 m, or round a disc.
     :raises ValueError: where the outline is shorter.
     """
     if obj.radius > 0.0:
-        return tuple(_place_on_disc(obj.radius, number) for number in range(PLACES_OF_DISC))
-    places: list[ContactPlace] = []
+        return tuple(_point_on_disc(obj.radius, index) for index in range(POINTS_OF_DISC))
+    points: list[FacePoint] = []
     edges = _edges(obj.outline)
     for piece in _pieces(edges):
         if sum(edge.length for edge in piece) >= MIN_FACE_LENGTH:
-            face = places[-1].face + 1 if places else 0
-            places += (_places_on_face(piece[0], face) if len(piece) == 1
-                       else _places_on_curve(piece, face, len(piece) == len(edges)))
-    if not places:
+            face = points[-1].face + 1 if points else 0
+            points += (_points_on_face(piece[0], face) if len(piece) == 1
+                       else _points_on_curve(piece, face, len(piece) == len(edges)))
+    if not points:
         around = sum(edge.length for edge in edges)
         if around < MIN_FACE_LENGTH:
             raise ValueError(f'PushedObject.outline: got {around:g} m all round, expected at '
                              f'least {MIN_FACE_LENGTH:g} m')
-        places += _places_on_curve(edges, 0, True)
-    return tuple(places)
+        points += _points_on_curve(edges, 0, True)
+    return tuple(points)
 
 
 def _edges(outline: Outline) -> list[_Edge]:
@@ -126,43 +126,43 @@ def _pieces(edges: Sequence[_Edge]) -> list[list[_Edge]]:
     is_face = [edge.length >= MIN_FACE_LENGTH and (
         not (is_smooth[i] and is_smooth[(i + 1) % len(edges)])
         or edge.length >= CURVE_FACE_RATIO * around) for i, edge in enumerate(edges)]
-    begins = [i for i in range(len(edges)) if not is_smooth[i] or is_face[i] or is_face[i - 1]]
-    if not begins:
+    starts = [i for i in range(len(edges)) if not is_smooth[i] or is_face[i] or is_face[i - 1]]
+    if not starts:
         return [list(edges)]
     return [[edges[i % len(edges)] for i in range(first, last)]
-            for first, last in itertools.pairwise([*begins, begins[0] + len(edges)])]
+            for first, last in itertools.pairwise([*starts, starts[0] + len(edges)])]
 
 
 def _turn(before: _Edge, edge: _Edge) -> float:
     return wrap_angle(edge.direction - before.direction)
 
 
-def _places_on_face(edge: _Edge, face: int) -> list[ContactPlace]:
+def _points_on_face(edge: _Edge, face: int) -> list[FacePoint]:
     half = 0.5 * edge.length - VERTEX_DISTANCE
-    return [edge.place(face, 0.5 * edge.length + offset, offset)
-            for offset in np.linspace(-half, half, PLACES_PER_FACE).tolist()]
+    return [edge.point(face, 0.5 * edge.length + offset, offset)
+            for offset in np.linspace(-half, half, POINTS_PER_FACE).tolist()]
 
 
-def _places_on_curve(edges: Sequence[_Edge], first_face: int,
-                     is_closed: bool) -> list[ContactPlace]:
+def _points_on_curve(edges: Sequence[_Edge], first_face: int,
+                     is_closed: bool) -> list[FacePoint]:
     ends = [0.0, *itertools.accumulate(edge.length for edge in edges)]
     rotation = sum(itertools.starmap(_turn, itertools.pairwise(edges)))
-    begin, end = (0.0, ends[-1]) if is_closed else (VERTEX_DISTANCE, ends[-1] - VERTEX_DISTANCE)
+    start, end = (0.0, ends[-1]) if is_closed else (VERTEX_DISTANCE, ends[-1] - VERTEX_DISTANCE)
     count = max(1, min(round(CURVE_SECTORS * rotation / (2.0 * math.pi)),
                        int(ends[-1] / MIN_FACE_LENGTH)))
-    length = (end - begin) / count
-    places: list[ContactPlace] = []
+    length = (end - start) / count
+    points: list[FacePoint] = []
     for sector in range(count):
-        for number in range(PLACES_PER_SECTOR):
-            offset = length * ((number + 0.5) / PLACES_PER_SECTOR - 0.5)
-            along = begin + (sector + 0.5) * length + offset
+        for index in range(POINTS_PER_SECTOR):
+            offset = length * ((index + 0.5) / POINTS_PER_SECTOR - 0.5)
+            along = start + (sector + 0.5) * length + offset
             edge = max(i for i in range(len(edges)) if ends[i] <= along)
-            places.append(edges[edge].place(first_face + sector, along - ends[edge], offset))
-    return places
+            points.append(edges[edge].point(first_face + sector, along - ends[edge], offset))
+    return points
 
 
-def _place_on_disc(radius: float, number: int) -> ContactPlace:
-    angle = 2.0 * math.pi * number / PLACES_OF_DISC
-    point = (radius * math.cos(angle), radius * math.sin(angle))
-    return ContactPlace(number * DISC_SECTORS // PLACES_OF_DISC, point,
-                        math.remainder(angle + math.pi, 2.0 * math.pi), angle * radius)
+def _point_on_disc(radius: float, index: int) -> FacePoint:
+    angle = 2.0 * math.pi * index / POINTS_OF_DISC
+    position = (radius * math.cos(angle), radius * math.sin(angle))
+    return FacePoint(index * DISC_SECTORS // POINTS_OF_DISC, position,
+                     math.remainder(angle + math.pi, 2.0 * math.pi), angle * radius)
