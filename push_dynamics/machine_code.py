@@ -267,21 +267,21 @@ def _sequence_code() -> Any:
     if llvm is None:
         return None
     opaque = llvm.llvm_version_info[0] >= FIRST_OPAQUE_VERSION
-    number, table, function = ('ptr', 'ptr', 'ptr') if opaque else (
+    pointer, table, function = ('ptr', 'ptr', 'ptr') if opaque else (
         'i64*', 'double**', 'void (double**, i64*, i64)*')
     record = ['function', 'addresses', 'strides', 'count']
-    lines = [f'define void @rows({number} %calls, {number} %unused, i64 %number) {{', 'entry:',
+    lines = [f'define void @rows({pointer} %calls, {pointer} %unused, i64 %number) {{', 'entry:',
              '  br label %call', 'call:', '  %k = phi i64 [0, %entry], [%k.next, %call]',
              f'  %first = mul i64 %k, {len(record)}']
     for i, name in enumerate(record):
         lines += [f'  %{name}.index = add i64 %first, {i}',
-                  f'  %{name}.place = getelementptr i64, {number} %calls, i64 %{name}.index',
-                  f'  %{name} = load i64, {number} %{name}.place']
+                  f'  %{name}.place = getelementptr i64, {pointer} %calls, i64 %{name}.index',
+                  f'  %{name} = load i64, {pointer} %{name}.place']
     lines += [f'  %called = inttoptr i64 %function to {function}',
               f'  %a = inttoptr i64 %addresses to {table}',
-              f'  %s = inttoptr i64 %strides to {number}',
-              f'  %c = inttoptr i64 %count to {number}', f'  %rows = load i64, {number} %c',
-              f'  call void %called({table} %a, {number} %s, i64 %rows)',
+              f'  %s = inttoptr i64 %strides to {pointer}',
+              f'  %c = inttoptr i64 %count to {pointer}', f'  %rows = load i64, {pointer} %c',
+              f'  call void %called({table} %a, {pointer} %s, i64 %rows)',
               '  %k.next = add i64 %k, 1', '  %more = icmp slt i64 %k.next, %number',
               '  br i1 %more, label %call, label %done', 'done:', '  ret void', '}']
     return _assemble(llvm, '\n'.join(lines))
@@ -311,7 +311,7 @@ def _assemble(llvm: Any, text: str) -> _Code:
 
 def _translate(function: Any, version: int, lanes: int, gathered: Sequence[str]) -> str:
     """Write a loop over rows in LLVM's language, some rows at once."""
-    number, table = ('ptr', 'ptr') if version >= FIRST_OPAQUE_VERSION else ('double*', 'double**')
+    pointer, table = ('ptr', 'ptr') if version >= FIRST_OPAQUE_VERSION else ('double*', 'double**')
     count = function.n_in() + function.n_out()
     head = [f'define void @rows({table} %addresses, i64* %strides, i64 %count) {{'
             if version < FIRST_OPAQUE_VERSION else
@@ -325,22 +325,22 @@ def _translate(function: Any, version: int, lanes: int, gathered: Sequence[str])
                  f'  %m{lane} = icmp slt i64 %j{lane}, %last',
                  f'  %r{lane} = select i1 %m{lane}, i64 %j{lane}, i64 %last']
     if gathered:
-        head += [f'  %n = getelementptr {number}, {table} %addresses, i64 {count}',
-                 f'  %n.begin = load {number}, {table} %n',
-                 f'  %numbers = bitcast {number} %n.begin to {strides}']
+        head += [f'  %n = getelementptr {pointer}, {table} %addresses, i64 {count}',
+                 f'  %n.begin = load {pointer}, {table} %n',
+                 f'  %numbers = bitcast {pointer} %n.begin to {strides}']
         for lane in range(lanes):
             loop += [f'  %n{lane} = getelementptr i64, {strides} %numbers, i64 %r{lane}',
                      f'  %g{lane} = load i64, {strides} %n{lane}']
     for i in range(count):
         row = 'g' if i < function.n_in() and function.name_in(i) in gathered else 'r'
-        head += [f'  %a{i} = getelementptr {number}, {table} %addresses, i64 {i}',
-                 f'  %b{i} = load {number}, {table} %a{i}',
+        head += [f'  %a{i} = getelementptr {pointer}, {table} %addresses, i64 {i}',
+                 f'  %b{i} = load {pointer}, {table} %a{i}',
                  f'  %c{i} = getelementptr i64, {strides} %strides, i64 {i}',
                  f'  %d{i} = load i64, {strides} %c{i}']
         for lane in range(lanes):
             loop += [f'  %o{i}.{lane} = mul i64 %d{i}, %{row}{lane}',
-                     f'  %p{i}.{lane} = getelementptr double, {number} %b{i}, i64 %o{i}.{lane}']
-    translation = _Translation(function, number, lanes)
+                     f'  %p{i}.{lane} = getelementptr double, {pointer} %b{i}, i64 %o{i}.{lane}']
+    translation = _Translation(function, pointer, lanes)
     body = translation.lines()
     end = [f'  %k.next = add i64 %k, {lanes}', '  %more = icmp slt i64 %k.next, %count',
            '  br i1 %more, label %row, label %done', 'done:', '  ret void', '}']
@@ -355,7 +355,7 @@ class _Translation:
         self._pointer = pointer
         self._lanes = lanes
         self._type = 'double' if lanes == 1 else f'<{lanes} x double>'
-        # Values by place in casadi's work vector.
+        # Values by slot of casadi's work vector.
         self._values: dict[int, str] = {}
         self._count = 0
         self._called: set[str] = set()
@@ -367,19 +367,19 @@ class _Translation:
         stores: list[str] = []
         for k in range(function.n_instructions()):
             operation = function.instruction_id(k)
-            places = function.instruction_output(k)
+            outputs = function.instruction_output(k)
             if operation == ca.OP_CONST:
-                self._values[places[0]] = self._constant(function.instruction_constant(k))
+                self._values[outputs[0]] = self._constant(function.instruction_constant(k))
             elif operation == ca.OP_INPUT:
                 argument, element = function.instruction_input(k)
-                lines += self._load(places[0], argument, element)
+                lines += self._load(outputs[0], argument, element)
             elif operation == ca.OP_OUTPUT:
-                result, element = places
-                place = function.instruction_input(k)[0]
-                stores += self._store(place, function.n_in() + result, element)
+                result, element = outputs
+                slot = function.instruction_input(k)[0]
+                stores += self._store(slot, function.n_in() + result, element)
             else:
-                values = [self._values[place] for place in function.instruction_input(k)]
-                lines += self._operate(places[0], operation, values)
+                values = [self._values[slot] for slot in function.instruction_input(k)]
+                lines += self._operate(outputs[0], operation, values)
         return lines + stores
 
     def declarations(self) -> list[str]:
@@ -399,7 +399,7 @@ class _Translation:
             return text
         return '<' + ', '.join([f'double {text}'] * self._lanes) + '>'
 
-    def _load(self, place: int, argument: int, element: int) -> list[str]:
+    def _load(self, slot: int, argument: int, element: int) -> list[str]:
         lines: list[str] = []
         operands: list[str] = []
         for lane in range(self._lanes):
@@ -409,12 +409,12 @@ class _Translation:
                       f'  {value} = load double, {self._pointer} {address}']
             operands.append(value)
         joined = self._joined(operands, lines)
-        self._values[place] = joined
+        self._values[slot] = joined
         return lines
 
-    def _store(self, place: int, result: int, element: int) -> list[str]:
+    def _store(self, slot: int, result: int, element: int) -> list[str]:
         lines: list[str] = []
-        for lane, value in enumerate(self._separate(self._values[place], lines)):
+        for lane, value in enumerate(self._separate(self._values[slot], lines)):
             address = self._new()
             lines += [f'  {address} = getelementptr double, {self._pointer} '
                       f'%p{result}.{lane}, i64 {element}',
@@ -442,33 +442,33 @@ class _Translation:
                   for lane, value in enumerate(values)]
         return values
 
-    def _operate(self, place: int, operation: int, values: Sequence[str]) -> list[str]:
+    def _operate(self, slot: int, operation: int, values: Sequence[str]) -> list[str]:
         result = self._new()
-        self._values[place] = result
+        self._values[slot] = result
         if operation in _BINARY:
             return [f'  {result} = {_BINARY[operation]} contract {self._type} {values[0]}, '
                     f'{values[1]}']
         if operation in _CALLS:
-            return self._call(place, _CALLS[operation], values)
+            return self._call(slot, _CALLS[operation], values)
         if operation in _COMPARISONS:
             return self._number(result, f'fcmp {_COMPARISONS[operation]} {self._type} '
                                         f'{values[0]}, {values[1]}')
         return self._other(result, operation, values)
 
-    def _call(self, place: int, name: str, values: Sequence[str]) -> list[str]:
+    def _call(self, slot: int, name: str, values: Sequence[str]) -> list[str]:
         """Call a function: those of the processor for all lanes at once, others one by one."""
         self._called.add(name)
         lines: list[str] = []
         kind = self._type_of(name)
-        given = [values] if kind == self._type else list(
+        operands = [values] if kind == self._type else list(
             zip(*[self._separate(value, lines) for value in values]))
         results: list[str] = []
-        for arguments in given:
+        for arguments in operands:
             result = self._new()
             passed = ', '.join(f'{kind} {argument}' for argument in arguments)
             lines.append(f'  {result} = call {kind} @{self._name(name)}({passed})')
             results.append(result)
-        self._values[place] = results[0] if len(results) == 1 else self._joined(results, lines)
+        self._values[slot] = results[0] if len(results) == 1 else self._joined(results, lines)
         return lines
 
     def _type_of(self, name: str) -> str:

@@ -142,10 +142,10 @@ def rests_out_of_reach(state: Any, body: Any, outline: Any, robot: Velocity, h: 
         for i in range(len(outline)):
             x, y = outline[i][0] - com_x, outline[i][1] - com_y
             radius = max(radius, math.sqrt(x * x + y * y))
-    reach = (radius + body[ROBOT_RADIUS]
-             + h * math.sqrt(robot.v_x * robot.v_x + robot.v_y * robot.v_y))
+    nearest = (radius + body[ROBOT_RADIUS]
+               + h * math.sqrt(robot.v_x * robot.v_x + robot.v_y * robot.v_y))
     d_x, d_y = state[ROBOT_X] - state[X], state[ROBOT_Y] - state[Y]
-    return d_x * d_x + d_y * d_y > reach * reach
+    return d_x * d_x + d_y * d_y > nearest * nearest
 
 
 @compiled

@@ -52,7 +52,7 @@ def user_cache(name: str) -> PrivateFolder | None:
             # A cache on a disk that is read-only is read.
             with contextlib.suppress(OSError):
                 os.utime(version.path)
-                unused = _set_unused_aside(folder.path, version.path.stat().st_mtime)
+                unused = _set_apart_unused(folder.path, version.path.stat().st_mtime)
     except OSError as error:
         reason = f'{path}: {error.strerror}' if error.strerror else str(error)
         warn_once(f'{reason}: without a cache, compiled code and tables of pushes are made again '
@@ -63,7 +63,7 @@ def user_cache(name: str) -> PrivateFolder | None:
     return version
 
 
-def _set_unused_aside(folder: pathlib.Path, now: float) -> list[pathlib.Path]:
+def _set_apart_unused(folder: pathlib.Path, now: float) -> list[pathlib.Path]:
     """Rename what nobody has used for long, where it is time to look; return what to remove."""
     mark = folder / PRUNED
     if mark.exists() and now - mark.stat().st_mtime < PRUNING_PERIOD:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from push_model.files.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from push_model.contact import contact_point, find_contact, FoundContact, normal_range
+    from push_model.contact import contact_point, find_contact, NearestContact, normal_range
     from push_model.friction import friction_center, with_friction_center
     from push_model.geometry import FloatArray, Pose, wrap_angle
     from push_model.parameters import Contact, PushedObject, RoundRobot, Support
@@ -20,15 +20,15 @@ if TYPE_CHECKING:
     from push_model.trajectory import PushLine, PushStyle, PushTrajectory
 
 __all__ = [
-    'Contact', 'contact_point', 'find_contact', 'FloatArray', 'FoundContact',
-    'friction_center', 'normal_range', 'ObjectPose', 'Odometry', 'PlanFailure', 'PlanRequest',
+    'Contact', 'contact_point', 'find_contact', 'FloatArray', 'friction_center',
+    'NearestContact', 'normal_range', 'ObjectPose', 'Odometry', 'PlanFailure', 'PlanRequest',
     'Pose', 'PoseCovariance', 'PushedObject', 'PushLine', 'PushStyle', 'PushTrajectory',
     'quasi_static_yaw_rate', 'RoundRobot', 'STOP', 'Support', 'Twist', 'Vehicle', 'vehicle',
     'with_friction_center', 'wrap_angle',
 ]
 
 __getattr__, __dir__ = lazy_names(__name__, {
-    'push_model.contact': ('contact_point', 'find_contact', 'FoundContact', 'normal_range'),
+    'push_model.contact': ('contact_point', 'find_contact', 'NearestContact', 'normal_range'),
     'push_model.friction': ('friction_center', 'with_friction_center'),
     'push_model.geometry': ('FloatArray', 'Pose', 'wrap_angle'),
     'push_model.parameters': ('Contact', 'PushedObject', 'RoundRobot', 'Support'),

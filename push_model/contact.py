@@ -30,7 +30,7 @@ class RollingConstants(NamedTuple):
     effective_radius: Any
 
 
-class FoundContact(NamedTuple):
+class NearestContact(NamedTuple):
     """
     Where a robot touches an object, or would touch it first.
 
@@ -135,7 +135,7 @@ def face_length(obj: PushedObject, index: int) -> float:
 
 
 def find_contact(obj: PushedObject, object_pose: Coordinates, robot_pose: Coordinates,
-                 robot_radius: float) -> FoundContact:
+                 robot_radius: float) -> NearestContact:
     """
     Find where a round robot touches the object, or would touch it first.
 
@@ -153,11 +153,11 @@ def find_contact(obj: PushedObject, object_pose: Coordinates, robot_pose: Coordi
                              'flat pusher')
         pusher = Pose(x, y, robot_pose[2] - object_pose.theta)
         contact, gap = _find_flat_pusher_contact(obj, pusher)
-        return FoundContact(contact, robot_pose[2], gap)
+        return NearestContact(contact, robot_pose[2], gap)
     if not obj.outline:
         angle = math.atan2(y, x)
         gap = math.hypot(x, y) - obj.radius - robot_radius
-        return FoundContact(Contact('round', 0, angle), object_pose.theta + angle + math.pi, gap)
+        return NearestContact(Contact('round', 0, angle), object_pose.theta + angle + math.pi, gap)
     closest = boundary_point(obj.outline, x, y)
     gamma = object_pose.theta + math.atan2(closest.normal_y, closest.normal_x)
     gap = closest.signed_distance - robot_radius
@@ -165,9 +165,9 @@ def find_contact(obj: PushedObject, object_pose: Coordinates, robot_pose: Coordi
     if min(closest.fraction, 1.0 - closest.fraction) * length < VERTEX_TOLERANCE:
         at_end = closest.fraction > 0.5
         index = (closest.face + 1 if at_end else closest.face) % len(obj.outline)
-        return FoundContact(Contact('vertex', index), gamma, gap)
+        return NearestContact(Contact('vertex', index), gamma, gap)
     offset = (0.5 - closest.fraction) * length
-    return FoundContact(Contact('face', closest.face, offset), gamma, gap)
+    return NearestContact(Contact('face', closest.face, offset), gamma, gap)
 
 
 def robot_gap(obj: PushedObject, object_pose: Coordinates, robot_pose: Coordinates,

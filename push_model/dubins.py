@@ -48,14 +48,14 @@ class DubinsPath(NamedTuple):
         :param s: arc length from the start [m].
         :return: (``Pose`` with unwrapped angle, curvature [1/m]).
         """
-        pose, left = self.start, s
+        pose, remaining = self.start, s
         if s < 0.0:
             return advance_along_arc(pose, s, 0.0), 0.0
         for length, curvature in zip(self.lengths, self.curvatures):
-            if left <= length:
-                return advance_along_arc(pose, left, curvature), curvature
-            pose, left = advance_along_arc(pose, length, curvature), left - length
-        return advance_along_arc(pose, left, 0.0), 0.0
+            if remaining <= length:
+                return advance_along_arc(pose, remaining, curvature), curvature
+            pose, remaining = advance_along_arc(pose, length, curvature), remaining - length
+        return advance_along_arc(pose, remaining, 0.0), 0.0
 
 
 def advance_along_arc(pose: Pose, length: float, curvature: float) -> Pose:
@@ -106,9 +106,9 @@ def dubins_paths(start: Coordinates, goal: Coordinates, radius_left: float,
     radii = _radii(radius_left, radius_right)
     curvatures = {side: sign / radii.get(side, 1.0) for side, sign in SIDES.items()}
     start = Pose(*start)
-    found = [DubinsPath(start, word, lengths, tuple(curvatures[side] for side in word))
+    paths = [DubinsPath(start, word, lengths, tuple(curvatures[side] for side in word))
              for word, lengths in _words(start, goal, radii)]
-    return sorted(found, key=lambda path: path.length)
+    return sorted(paths, key=lambda path: path.length)
 
 
 def _radii(left: float, right: float) -> dict[str, float]:
@@ -175,12 +175,12 @@ def _three_arcs(headings: tuple[float, float], apart: tuple[float, float], word:
         return []
     # The three centres make an isosceles triangle; this is the angle at its base.
     base_angle = math.acos(0.5 * between / side_length)
-    found: list[Lengths] = []
+    lengths: list[Lengths] = []
     for sign in (1.0, -1.0):
         quarter = SIDES[outer] * 0.5 * math.pi
         leave = bearing + sign * base_angle + quarter
         join = bearing + math.pi - sign * base_angle + quarter
-        found.append((_arc_length(outer, start, leave, radii),
-                      _arc_length(inner, leave, join, radii),
-                      _arc_length(outer, join, end, radii)))
-    return found
+        lengths.append((_arc_length(outer, start, leave, radii),
+                        _arc_length(inner, leave, join, radii),
+                        _arc_length(outer, join, end, radii)))
+    return lengths

@@ -288,10 +288,10 @@ def load_gradients(obj: PushedObject) -> tuple[tuple[float, float], ...]:
 
 # Kept, as variations of an object mostly stand on the same supports; 256 such sets take few kB.
 @functools.lru_cache(maxsize=256)
-def _load_gradients(places: tuple[tuple[float, float], ...],
+def _load_gradients(positions: tuple[tuple[float, float], ...],
                     carrying: tuple[bool, ...]) -> tuple[tuple[float, float], ...]:
     carries = np.array(carrying)[:, None]
-    offsets = np.array(places) - np.array(places)[np.array(carrying)].mean(axis=0)
+    offsets = np.array(positions) - np.array(positions)[np.array(carrying)].mean(axis=0)
     offsets = np.where(carries, offsets, 0.0)
     inverse = np.linalg.pinv(offsets.T @ offsets, rcond=LINE_TOLERANCE)
     return tuple((x, y) for x, y in (offsets @ inverse).tolist())
@@ -307,9 +307,9 @@ def tipping_height(obj: PushedObject) -> float:
     """
     friction: dict[tuple[float, float], float] = {}
     for support, load in zip(obj.supports, obj.loads):
-        place = (support.x - obj.center_of_mass[0], support.y - obj.center_of_mass[1])
+        position = (support.x - obj.center_of_mass[0], support.y - obj.center_of_mass[1])
         if load > 0.0:
-            friction[place] = max(support.friction_coefficient, friction.get(place, 0.0))
+            friction[position] = max(support.friction_coefficient, friction.get(position, 0.0))
     corners = convex_hull(list(friction))
     return min(_edge_height(corners[i - 1], corner, friction[corners[i - 1]], friction[corner])
                for i, corner in enumerate(corners))

@@ -14,7 +14,8 @@ from typing import Any, get_args, Literal
 import numpy as np
 from push_model.geometry import BoolArray, Coordinates, FloatArray, Polygon
 from push_model.quantity import (
-    check, INFINITY, MAX_HEIGHT, MAX_REACH, MIN_RADIUS, quantity, RADII)
+    check, INFINITY, MAX_EXTENT, MAX_HEIGHT, MIN_RADIUS, quantity, RADII,
+)
 
 
 # Standard acceleration of free fall, to the digits that friction coefficients deserve [m/s^2].
@@ -119,21 +120,21 @@ class PushedObject:
 
     def _check_size(self) -> None:
         """Refuse what must be a mistake of a unit."""
-        reach = self._reach
-        if not MIN_RADIUS <= reach <= MAX_REACH:
-            raise ValueError(f'PushedObject.outline: got a point {reach:g} m from the origin, '
-                             f'expected the farthest at {MIN_RADIUS:g} to {MAX_REACH:g} m '
+        extent = self._extent
+        if not MIN_RADIUS <= extent <= MAX_EXTENT:
+            raise ValueError(f'PushedObject.outline: got a point {extent:g} m from the origin, '
+                             f'expected the farthest at {MIN_RADIUS:g} to {MAX_EXTENT:g} m '
                              '(lengths are in metres)')
         for support in self.supports:
             away = math.hypot(support.x, support.y)
-            if away > MAX_SUPPORT_RATIO * reach:
+            if away > MAX_SUPPORT_RATIO * extent:
                 raise ValueError(f'PushedObject.supports: got one {away:g} m from the origin of '
-                                 f'an object that reaches {reach:g} m, expected at most '
+                                 f'an object that reaches {extent:g} m, expected at most '
                                  f'{MAX_SUPPORT_RATIO:g} times as much (lengths are in metres)')
 
     def _check_inertia(self) -> None:
         """Refuse a moment of inertia that no such body has."""
-        unit = self.mass * self._reach ** 2
+        unit = self.mass * self._extent ** 2
         least, most = (ratio ** 2 * unit for ratio in GYRATION_RATIOS)
         if not least <= self.inertia <= most:
             raise ValueError(f'PushedObject.inertia: got {self.inertia:g}, expected from '
@@ -141,7 +142,7 @@ class PushedObject:
                              '[kg m^2]')
 
     @property
-    def _reach(self) -> float:
+    def _extent(self) -> float:
         """Greatest distance of the outline from the origin [m]."""
         return max((math.hypot(*vertex) for vertex in self.outline), default=self.radius)
 
@@ -270,34 +271,34 @@ def plate_inertia(mass: float, outline: Polygon, radius: float = 0.0) -> float:
     return mass * (second / area - (first_x / area) ** 2 - (first_y / area) ** 2)
 
 
-def load_fractions(points: Any, given: Any, center: Coordinates) -> tuple[float, ...]:
+def load_fractions(points: Any, fractions: Any, center: Coordinates) -> tuple[float, ...]:
     """
     Fraction of the weight on each support.
 
     :param points: positions of the supports, shape (k, 2) [m].
-    :param given: relative fractions, one per support; all 0 where none are given.
+    :param fractions: relative fractions, one per support; all 0 where none are given.
     :param center: mass centre (x, y) [m], same frame.
     :return: tuple of k fractions that sum up to 1.
     :raises ValueError: where the object would tip, where given fractions do not balance it, or
         where only some are given; the text has no name in front.
     """
-    points, given, center = (np.array(v, dtype=float) for v in (points, given, center))
+    points, fractions, center = (np.array(v, dtype=float) for v in (points, fractions, center))
     extent = max(float(np.abs(points - center).max()), 1e-9)
     balanced = _spring_loads((points - center) / extent)
     if balanced is None:
         raise ValueError(f'got a mass centre at ({center[0]:g}, {center[1]:g}), expected it '
                          'inside the hull of the supports: the object would tip')
-    if given.any() and not given.all():
-        raise ValueError(f'got load fractions {given.tolist()}, expected one above 0 for every '
-                         'support, or none')
-    given = given / given.sum() if given.any() else balanced
-    pressure = given @ points
+    if fractions.any() and not fractions.all():
+        raise ValueError(f'got load fractions {fractions.tolist()}, expected one above 0 for '
+                         'every support, or none')
+    fractions = fractions / fractions.sum() if fractions.any() else balanced
+    pressure = fractions @ points
     if np.abs(pressure - center).max() > BALANCE_TOLERANCE * extent:
         raise ValueError(f'got load fractions that balance about ({pressure[0]:.4g}, '
                          f'{pressure[1]:.4g}), expected about the mass centre ({center[0]:g}, '
                          f'{center[1]:g}): change either, or give no fractions')
     # Where statics leave no choice, rounded fractions do not count.
-    return tuple((balanced if _is_determinate(points) else given).tolist())
+    return tuple((balanced if _is_determinate(points) else fractions).tolist())
 
 
 def _is_determinate(points: FloatArray) -> bool:
@@ -347,7 +348,7 @@ def _support_load_fractions(supports: tuple[Support, ...],
 
 def _is_point(value: Any) -> bool:
     return (isinstance(value, tuple) and len(value) == 2
-            and all(isinstance(number, float) for number in value))
+            and all(isinstance(coordinate, float) for coordinate in value))
 
 
 # Kept for the same reason as the load fractions.

@@ -26,7 +26,7 @@ MIN_NOISE = 1e-5
 # pushers, distances of the outline of an object from its origin, and heights; chosen likewise.
 RADII = 5e-3, 5.0
 MIN_RADIUS = 1e-3
-MAX_REACH = 20.0
+MAX_EXTENT = 20.0
 MAX_HEIGHT = 10.0
 # Angle beyond which somebody means degrees [rad]: a full turn.
 MAX_ANGLE = 6.2832
@@ -111,7 +111,7 @@ def allowed(cls: type, name: str, values: 'FloatArray') -> 'BoolArray':
     :param values: any shape.
     :return: same shape.
     """
-    metadata = next(found for known, _, found in _described_fields(cls) if known == name)
+    metadata = next(metadata for known, _, metadata in _described_fields(cls) if known == name)
     inside = (values >= metadata['low']) & (values <= metadata['high'])
     if metadata['above'] is not None:
         inside &= values > metadata['above']
@@ -191,12 +191,12 @@ def _checked_numbers(value: Any, metadata: Mapping[str, Any]) -> tuple[Any, ...]
     known = _known_numbers.get(key)
     if known is not None:
         return known[0]
-    found = _numbers(value, metadata)
+    normalised = _numbers(value, metadata)
     if len(_known_numbers) >= MAX_KNOWN:
         _known_numbers.clear()
     # As both are kept here, no other object has their identity.
-    _known_numbers[id(found), id(metadata)] = found, metadata
-    return found
+    _known_numbers[id(normalised), id(metadata)] = normalised, metadata
+    return normalised
 
 
 def _is_dataclass_type(kind: Any) -> bool:

@@ -115,10 +115,10 @@ def _between_columns(squares: Any, columns: int, row: Any, bounds: Any, lowest: 
     index = 0
     # At every edge between two columns, for both of them.
     for j in range(columns + 1):
-        place = j - 0.5
-        while index + 1 < count and bounds[index + 1] <= place:
+        edge = j - 0.5
+        while index + 1 < count and bounds[index + 1] <= edge:
             index += 1
-        away = place - lowest[index]
+        away = edge - lowest[index]
         square = away * away + squares[lowest[index]]
         if j > 0:
             row[j - 1] = min(row[j - 1], square)

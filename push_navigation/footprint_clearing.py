@@ -142,8 +142,8 @@ def _carry_over(previous: _Clearing, occupancy_map: OccupancyMap, cells: BoolArr
     """Mark the cells that were cleared of the object, and have not been seen free since."""
     rows, columns = np.nonzero(previous.object_cells)
     centers = previous.occupancy_map.resolution * np.stack((columns + 0.5, rows + 0.5), axis=1)
-    places = occupancy_map.to_map(previous.occupancy_map.from_map(centers))
-    columns, rows = np.floor(places / occupancy_map.resolution).astype(int).T
+    points = occupancy_map.to_map(previous.occupancy_map.from_map(centers))
+    columns, rows = np.floor(points / occupancy_map.resolution).astype(int).T
     height, width = cells.shape
     inside = (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
     cells[rows[inside], columns[inside]] = True
@@ -164,7 +164,7 @@ def _mark(occupancy_map: OccupancyMap, shape: InflatedObstacle, poses: list[Pose
     points = occupancy_map.from_map(resolution * np.stack((columns + 0.5, rows + 0.5), axis=1))
     away = _distances(shape, poses, points, size + rim)
     inside = (away < 0.0) | cells[rows, columns]
-    obstacles = _obstacle_numbers(rows, columns, ~inside)
+    obstacles = _obstacle_labels(rows, columns, ~inside)
     goes_on = np.isin(obstacles, np.unique(obstacles[away > margin]))
     cleared = inside | ~goes_on
     cells[rows[cleared], columns[cleared]] = True
@@ -174,38 +174,38 @@ def _occupied_near(occupancy_map: OccupancyMap, poses: list[Pose], rim: float
                    ) -> tuple[IntArray, IntArray]:
     """List rows and columns of the occupied cells about some poses, with a rim [m]."""
     resolution = occupancy_map.resolution
-    places = occupancy_map.to_map([pose[:2] for pose in poses])
-    first = np.maximum(np.floor((places.min(axis=0) - rim) / resolution), 0).astype(int)
-    last = np.maximum(np.ceil((places.max(axis=0) + rim) / resolution), 0).astype(int)
+    points = occupancy_map.to_map([pose[:2] for pose in poses])
+    first = np.maximum(np.floor((points.min(axis=0) - rim) / resolution), 0).astype(int)
+    last = np.maximum(np.ceil((points.max(axis=0) + rim) / resolution), 0).astype(int)
     rows, columns = np.nonzero(occupancy_map.occupied[first[1]:last[1], first[0]:last[0]])
     return rows + first[1], columns + first[0]
 
 
-def _obstacle_numbers(rows: IntArray, columns: IntArray, is_left: BoolArray) -> IntArray:
+def _obstacle_labels(rows: IntArray, columns: IntArray, is_occupied: BoolArray) -> IntArray:
     """
-    Find the number of the obstacle to which each cell belongs: connected cells have the same.
+    Label the cells with the obstacle to which they belong: connected cells have the same label.
 
     :param rows: of the cells, shape (n,).
     :param columns: of the cells, shape (n,).
-    :param is_left: which cells are still occupied, shape (n,).
-    :return: number of the obstacle of each cell, 0 for the others, shape (n,).
+    :param is_occupied: which cells are still occupied, shape (n,).
+    :return: label of each cell, from 1, 0 for the others, shape (n,).
     """
     # Imported here: a node begins sooner without it, and few maps need it.
     from scipy.ndimage import label
     rows, columns = rows - rows.min(), columns - columns.min()
     occupied = np.zeros((rows.max() + 1, columns.max() + 1), dtype=np.bool_)
-    occupied[rows[is_left], columns[is_left]] = True
+    occupied[rows[is_occupied], columns[is_occupied]] = True
     labels = np.empty(occupied.shape, dtype=np.int_)
     label(occupied, NEIGHBOURS, output=labels)
     return labels[rows, columns]
 
 
 def _distances(shape: InflatedObstacle, poses: list[Pose], points: FloatArray,
-               reach: float) -> FloatArray:
+               max_distance: float) -> FloatArray:
     """Distances of points from a body at any of its poses [m]; large ones are not exact."""
     result = np.full(len(points), math.inf)
     for pose in poses:
-        near = np.flatnonzero(np.hypot(*(points - pose[:2]).T) < reach)
+        near = np.flatnonzero(np.hypot(*(points - pose[:2]).T) < max_distance)
         if near.size:
             c, s = math.cos(pose.theta), math.sin(pose.theta)
             local = (points[near] - pose[:2]) @ np.array([[c, -s], [s, c]])

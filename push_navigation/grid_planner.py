@@ -88,7 +88,7 @@ def _route_in_window(space: '_FreeSpace', margins: MapClearance, ends: FloatArra
     """Find the corners of the best route in a part of the map; None where there is none."""
     occupancy_map, gap = margins.context.occupancy_map, _comfortable_gap(margins)
     grid = _grid_graph(occupancy_map, margins.radius + margins.margin, window)
-    links = [_links(space, grid, len(grid.points) + i, place) for i, place in enumerate(ends)]
+    links = [_links(space, grid, len(grid.points) + i, end) for i, end in enumerate(ends)]
     points = np.concatenate([grid.points, ends])
     free = space.keeps_off_object(grid) & (
         grid.clearances >= margins.required(grid.points)[grid.edges].max(axis=1))
@@ -109,7 +109,7 @@ def _comfortable_gap(margins: MapClearance) -> float:
 
 
 class _FreeSpace:
-    """Places where the robot's centre may be."""
+    """Points where the robot's centre may be."""
 
     def __init__(self, margins: MapClearance, body: InflatedObstacle, object_pose: Pose) -> None:
         self._margins = margins
@@ -128,14 +128,14 @@ class _FreeSpace:
         gap = _comfortable_gap(self._margins)
         return np.minimum(self._map.clearance(points), self._margins.radius + gap)
 
-    def sees(self, place: FloatArray, points: FloatArray,
+    def sees(self, point: FloatArray, points: FloatArray,
              clearances: FloatArray | float = 0.0) -> BoolArray:
-        """Tell to which points the straight line from a place is free, with such clearances."""
-        samples = _between(place[None, :], points, self._map.resolution / 2)
-        found = self._map.clearance(samples)
-        free = found >= self._margins.required(samples) - 1e-9
+        """Tell to which points the straight line from a point is free, with such clearances."""
+        samples = _between(point[None, :], points, self._map.resolution / 2)
+        distances = self._map.clearance(samples)
+        free = distances >= self._margins.required(samples) - 1e-9
         free[free] = self.distances(samples[free]) >= -1e-6
-        least = found.reshape(len(points), -1).min(axis=1, initial=math.inf)
+        least = distances.reshape(len(points), -1).min(axis=1, initial=math.inf)
         return np.all(free.reshape(len(points), -1), axis=1) & (least >= clearances)
 
     def keeps_off_object(self, grid: GridGraph) -> BoolArray:
@@ -184,9 +184,10 @@ def _grid_graph(occupancy_map: OccupancyMap, clearance: float,
     edges = np.concatenate(pairs)
     edges = edges[free[edges].all(axis=1)]
     samples = _between(points[edges[:, 0]], points[edges[:, 1]], occupancy_map.resolution / 2)
-    found = occupancy_map.clearance(samples).reshape(len(edges), -1).min(axis=1, initial=math.inf)
-    clear = found >= clearance
-    return GridGraph(points, edges[clear], found[clear], cells * occupancy_map.resolution)
+    clearances = occupancy_map.clearance(samples).reshape(len(edges), -1).min(
+        axis=1, initial=math.inf)
+    clear = clearances >= clearance
+    return GridGraph(points, edges[clear], clearances[clear], cells * occupancy_map.resolution)
 
 
 def _between(first: FloatArray, last: FloatArray, spacing: float) -> FloatArray:
@@ -204,11 +205,11 @@ def _between(first: FloatArray, last: FloatArray, spacing: float) -> FloatArray:
     return lines.reshape(-1, 2)
 
 
-def _links(space: _FreeSpace, grid: GridGraph, index: int, place: FloatArray) -> IntArray:
+def _links(space: _FreeSpace, grid: GridGraph, index: int, end: FloatArray) -> IntArray:
     """Edges, shape (k, 2), from a place with a number of its own to the grid points it sees."""
-    away = np.linalg.norm(grid.points - place, axis=1)
+    away = np.linalg.norm(grid.points - end, axis=1)
     near = np.flatnonzero(away <= LINK_RANGE * grid.spacing)
-    seen = near[space.sees(place, grid.points[near])]
+    seen = near[space.sees(end, grid.points[near])]
     return np.stack((np.full_like(seen, index), seen), axis=1)
 
 

@@ -34,14 +34,14 @@ GAIN = 0.5
 # Length of a path over the distance of its ends, where it is not known yet; chosen: that of a path
 # through a door round a corner.
 WINDING = 1.3
-# Places on the long axis of an ellipse of deviations, over half of it; chosen: the robot's disc
+# Positions on the long axis of an ellipse of deviations, over half of it; chosen: the robot's disc
 # about one reaches those about the next up to axes of twice its diameter.
-AXIS_PLACES = (-1.0, -0.7, -0.35, 0.0, 0.35, 0.7, 1.0)
+AXIS_POSITIONS = (-1.0, -0.7, -0.35, 0.0, 0.35, 0.7, 1.0)
 
 
 class PositionUncertainty(NamedTuple):
     """
-    How uncertain the robot's place is, and how that grows.
+    How uncertain the robot's position is, and how that grows.
 
     :param position: standard deviation of x or y [m].
     :param slope: by which it grows per distance from the start: that of the heading, and of
@@ -157,10 +157,10 @@ class MapClearance(NamedTuple):
         away = np.hypot(*(points - points[0]).T)
         lengths = np.hypot(*axes.T)
         axes *= np.minimum(1.0, (self.gap + GAIN * away) / np.maximum(lengths, 1e-9))[:, None]
-        for place in AXIS_PLACES:
-            found = self.context.occupancy_map.clearance(points + place * axes)
-            needed = self.radius + math.sqrt(1.0 - place * place) * others
-            if np.any(found < needed - slack):
+        for position in AXIS_POSITIONS:
+            distances = self.context.occupancy_map.clearance(points + position * axes)
+            needed = self.radius + math.sqrt(1.0 - position * position) * others
+            if np.any(distances < needed - slack):
                 return False
         return True
 

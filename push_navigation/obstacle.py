@@ -100,10 +100,10 @@ class InflatedObstacle(NamedTuple):
         :param x: of the point, which is not inside [m].
         :param y: of the point [m].
         """
-        ahead = math.atan2(self.center[1] - y, self.center[0] - x)
+        bearing = math.atan2(self.center[1] - y, self.center[0] - x)
         right, left, right_index, left_index = math.inf, -math.inf, 0, 0
         for i, (v_x, v_y) in enumerate(self.core):
-            angle = wrap_angle(math.atan2(v_y - y, v_x - x) - ahead)
+            angle = wrap_angle(math.atan2(v_y - y, v_x - x) - bearing)
             away = math.hypot(v_x - x, v_y - y)
             # On the surface the root in the arcsine would magnify rounding.
             on_surface = away <= self.radius + SURFACE_TOLERANCE
@@ -112,7 +112,7 @@ class InflatedObstacle(NamedTuple):
                 right, right_index = angle - half, i
             if angle + half > left:
                 left, left_index = angle + half, i
-        return VisibilityCone(ahead + right, right_index, ahead + left, left_index)
+        return VisibilityCone(bearing + right, right_index, bearing + left, left_index)
 
     def ray_exit(self, x: float, y: float, direction: float) -> float:
         """

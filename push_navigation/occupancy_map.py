@@ -21,7 +21,7 @@ RESOLUTION_RANGE = f'a length from {MIN_RESOLUTION:g} to {MAX_RESOLUTION:g} m'
 RIM_POINTS_PER_CELL = 4
 # Distance from obstacles that were freed up to which clearances are computed anew [m]; chosen:
 # more than object and robot ever need.
-FREED_REACH = 2.0
+FREED_RANGE = 2.0
 
 
 class OccupancyMap:
@@ -47,14 +47,14 @@ class OccupancyMap:
         cells.setflags(write=False)
         self.resolution = float(resolution)
         self.occupied: BoolArray = cells
-        self._place(Pose(*origin))
+        self._set_origin(Pose(*origin))
         # With a border of occupied cells round the map, and nowhere too long.
         self._distances = distance_field(np.pad(cells, 1, constant_values=True))
         self._distances -= INTERPOLATION_ERROR
         self._distances *= np.float32(self.resolution)
         self._distances.setflags(write=False)
 
-    def _place(self, origin: Pose) -> None:
+    def _set_origin(self, origin: Pose) -> None:
         self.origin = origin
         c, s = math.cos(origin.theta), math.sin(origin.theta)
         self._rotation = np.array([[c, -s], [s, c]])
@@ -63,18 +63,18 @@ class OccupancyMap:
         """
         Return the same map elsewhere, as where the frame that it is in has drifted.
 
-        :param correction: ``Pose`` that takes the former origin to the new one,
+        :param correction: ``Pose`` that takes the previous origin to the new one,
             ``correction @ origin``.
         """
         result = copy.copy(self)
-        result._place(correction @ self.origin)
+        result._set_origin(correction @ self.origin)
         return result
 
     def freed(self, cells: BoolArray) -> 'OccupancyMap':
         """
         Return the same map with some cells free.
 
-        Only distances near them are computed anew: those of more than ``FREED_REACH`` may be too
+        Only distances near them are computed anew: those of more than ``FREED_RANGE`` may be too
         short.
 
         :param cells: whether each cell is to be free, shape (rows, columns).
@@ -86,17 +86,17 @@ class OccupancyMap:
         result = copy.copy(self)
         result.occupied = self.occupied & ~cells
         result._distances = self._distances.copy()
-        reach = math.ceil(FREED_REACH / self.resolution)
-        inner = _window_round(rows, columns, reach)
+        margin = math.ceil(FREED_RANGE / self.resolution)
+        inner = _window_round(rows, columns, margin)
         # Obstacles count that are as far from what is computed.
-        outer = _window_round(rows, columns, 2 * reach)
+        outer = _window_round(rows, columns, 2 * margin)
         nearby = distance_field(_bordered(result.occupied, outer))
         inner_in_outer = tuple(
             slice(part.start - whole.start, min(part.stop, size) - whole.start)
             for part, whole, size in zip(inner, outer, self._distances.shape))
         distances = self.resolution * (nearby[inner_in_outer] - INTERPOLATION_ERROR)
         result._distances[inner] = np.maximum(result._distances[inner],
-                                              np.minimum(distances, FREED_REACH))
+                                              np.minimum(distances, FREED_RANGE))
         for array in (result.occupied, result._distances):
             array.setflags(write=False)
         return result
@@ -238,10 +238,10 @@ class OccupancyMap:
         return self.first_object_collision(obj, poses, margin) is None
 
 
-def _window_round(rows: IntArray, columns: IntArray, reach: int) -> tuple[slice, ...]:
+def _window_round(rows: IntArray, columns: IntArray, margin: int) -> tuple[slice, ...]:
     """Return the rows and columns near some cells, in the grid with its border."""
-    return tuple(slice(max(0, int(places.min()) + 1 - reach), int(places.max()) + 2 + reach)
-                 for places in (rows, columns))
+    return tuple(slice(max(0, int(indices.min()) + 1 - margin), int(indices.max()) + 2 + margin)
+                 for indices in (rows, columns))
 
 
 def _bordered(occupied: BoolArray, window: tuple[slice, ...]) -> BoolArray:

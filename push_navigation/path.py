@@ -124,16 +124,16 @@ class PathSegment:
             offset to the left [m]).
         """
         first = self.directions[0]
-        ahead, aside = Pose(0.0, 0.0, -first).rotate((point[0] - self.start.x,
-                                                      point[1] - self.start.y))
+        along, lateral = Pose(0.0, 0.0, -first).rotate((point[0] - self.start.x,
+                                                        point[1] - self.start.y))
         if abs(self.arc_angle) < 1e-9:
-            return ahead, aside
+            return along, lateral
         radius = self.length / self.arc_angle
         side = math.copysign(1.0, radius)
         middle = 0.5 * self.arc_angle
         # Measured from the middle of the arc, so that the cut of the angle is opposite to it.
-        angle = middle + wrap_angle(side * math.atan2(ahead, side * (radius - aside)) - middle)
-        return radius * angle, radius - side * math.hypot(ahead, radius - aside)
+        angle = middle + wrap_angle(side * math.atan2(along, side * (radius - lateral)) - middle)
+        return radius * angle, radius - side * math.hypot(along, radius - lateral)
 
 
 class Path(NamedTuple):
@@ -226,9 +226,9 @@ def holonomic_path(start: Pose, goal: Pose, waypoints: Sequence[tuple[float, flo
     :param waypoints: ``Waypoint`` sequence, from behind the start to the goal.
     :param keeps_heading: whether the heading stays on the first segment, and on the last.
     """
-    places = [start, *(Pose(x, y, 0.0) for x, y, _ in waypoints)]
+    points = [start, *(Pose(x, y, 0.0) for x, y, _ in waypoints)]
     arc_angles = [arc_angle for _, _, arc_angle in waypoints]
-    lengths = [PathSegment(*ends).length for ends in zip(places, places[1:], arc_angles)]
+    lengths = [PathSegment(*ends).length for ends in zip(points, points[1:], arc_angles)]
     # The rotation is spread over these lengths.
     rotating = list(lengths)
     for end, keeps in zip((0, -1), keeps_heading):
@@ -236,11 +236,11 @@ def holonomic_path(start: Pose, goal: Pose, waypoints: Sequence[tuple[float, flo
             rotating[end] = 0.0
     total, heading_change = sum(rotating), wrap_angle(goal.theta - start.theta)
     poses, passed = [start], 0.0
-    for place, length, part in zip(places[1:], lengths, rotating):
+    for point, length, part in zip(points[1:], lengths, rotating):
         passed += part
         if length:
             fraction = passed / total if total else 0.0
-            poses.append(place._replace(theta=start.theta + fraction * heading_change))
+            poses.append(point._replace(theta=start.theta + fraction * heading_change))
     arc_angles = [arc_angle for arc_angle, length in zip(arc_angles, lengths) if length]
     return _completed(poses, arc_angles, goal)
 

@@ -91,15 +91,15 @@ def keep_curvature(previous: Twist, requested: Twist, limits: DriveSettings, dt:
     return requested._replace(v_x=math.copysign(min(abs(requested.v_x), speed), requested.v_x))
 
 
-def turn_in_place(left: float, limits: DriveSettings) -> float:
+def turn_in_place(remaining: float, limits: DriveSettings) -> float:
     """
     Yaw rate of a rotation in place [rad/s].
 
-    :param left: angle left [rad].
+    :param remaining: remaining angle [rad].
     :param limits: ``DriveSettings`` within the limits of the robot.
     """
-    rate = min(limits.yaw_rate, stopping_speed(abs(left), limits.yaw_acceleration))
-    return math.copysign(rate, left)
+    rate = min(limits.yaw_rate, stopping_speed(abs(remaining), limits.yaw_acceleration))
+    return math.copysign(rate, remaining)
 
 
 def track_differential(section: MotionSection, pose: Pose, s: float, lateral: float,
@@ -211,13 +211,13 @@ class PathFollower:
         is_moving = bool(self._sections) and isinstance(self._sections[0], MotionSection)
         return max(0.0, sum(lengths) - (self._progress.distance if is_moving else 0.0))
 
-    def step(self, pose: Pose, dt: float, ahead: Pose | None = None) -> Twist:
+    def step(self, pose: Pose, dt: float, predicted: Pose | None = None) -> Twist:
         """
         Compute the next command.
 
         :param pose: ``Pose`` of the robot in the world.
         :param dt: time since the last step [s].
-        :param ahead: ``Pose`` from which on this command takes effect; None for one lag ahead.
+        :param predicted: ``Pose`` from which on this command takes effect; None for one lag ahead.
         :raises ValueError: where the pose or the time is not finite.
         """
         pose = Pose(*pose)
@@ -225,9 +225,9 @@ class PathFollower:
             raise ValueError(f'pose: got {tuple(pose)}, expected finite numbers')
         if not (math.isfinite(dt) and dt >= 0.0):
             raise ValueError(f'dt: got {dt!r}, expected a finite time of at least 0 [s]')
-        # The lag is followed with ``ahead``, too: that may be missing from the next step on.
+        # The lag is followed with ``predicted``, too: that may be missing from the next step on.
         lagged = self._predict(pose, dt)
-        predicted = lagged if ahead is None else ahead
+        predicted = lagged if predicted is None else predicted
         if self._passes_end:
             self._check_passing(pose)
             stops = self.missed
@@ -271,11 +271,11 @@ class PathFollower:
         if self._progress.distance < section.length - self._handover_distance - PASSING_RANGE:
             return
         direction = section.direction(section.length)
-        ahead, aside = Pose(0.0, 0.0, -direction).rotate((pose.x - self._goal.x,
-                                                          pose.y - self._goal.y))
-        if ahead >= -self._handover_distance:
+        along, lateral = Pose(0.0, 0.0, -direction).rotate((pose.x - self._goal.x,
+                                                            pose.y - self._goal.y))
+        if along >= -self._handover_distance:
             self.finished = (
-                abs(aside) <= PASSING_POSITION_TOLERANCE
+                abs(lateral) <= PASSING_POSITION_TOLERANCE
                 and abs(wrap_angle(pose.theta - self._goal.theta)) <= PASSING_HEADING_TOLERANCE)
             self.missed = not self.finished
 
@@ -308,22 +308,22 @@ class PathFollower:
         return STOP
 
     def _track_rotation(self, segment: PathSegment, predicted: Pose, dt: float) -> Twist | None:
-        left = wrap_angle(segment.end.theta - predicted.theta)
-        settled = self._progress.settle(left, SECTION_HEADING_TOLERANCE, dt)
+        remaining = wrap_angle(segment.end.theta - predicted.theta)
+        settled = self._progress.settle(remaining, SECTION_HEADING_TOLERANCE, dt)
         # A section that follows corrects the heading by itself.
-        is_followed = len(self._sections) > 1 and abs(left) < SECTION_HEADING_TOLERANCE
+        is_followed = len(self._sections) > 1 and abs(remaining) < SECTION_HEADING_TOLERANCE
         if settled or is_followed:
             return None
-        return Twist(0.0, 0.0, turn_in_place(left, self._limits))
+        return Twist(0.0, 0.0, turn_in_place(remaining, self._limits))
 
     def _track_section(self, section: MotionSection, predicted: Pose, dt: float) -> Twist | None:
         s, lateral = section.locate(predicted)
         self._progress.distance = s
-        left = section.length - s
+        remaining = section.length - s
         if self._robot.drive == 'holonomic':
-            error, track = complex(left, lateral), track_holonomic
+            error, track = complex(remaining, lateral), track_holonomic
         else:
-            error, track = left, track_differential
+            error, track = remaining, track_differential
         if self._passes_end and len(self._sections) == 1:
             return track(section, predicted, s, lateral, self._limits)
         if self._progress.settle(error, SECTION_POSITION_TOLERANCE, dt):
@@ -338,14 +338,14 @@ class _SectionProgress:
         self.distance = 0.0
         self._filtered: complex | None = None
 
-    def settle(self, left: complex, tolerance: float, dt: float) -> bool:
+    def settle(self, remaining: complex, tolerance: float, dt: float) -> bool:
         """
-        Tell whether what is left has been small for a while, so that the robot does not pass by.
+        Tell whether the remainder has been small for a while, so that the robot does not pass by.
 
-        :param left: distance or angle left; complex with the lateral offset.
+        :param remaining: remaining distance or angle; complex with the lateral offset.
         :param tolerance: same unit.
         :param dt: time since the last call [s].
         """
-        late = left if self._filtered is None else self._filtered
-        self._filtered = late - math.expm1(-dt / DWELL) * (left - late)
-        return abs(self._filtered) < tolerance and abs(left) < 2.0 * tolerance
+        late = remaining if self._filtered is None else self._filtered
+        self._filtered = late - math.expm1(-dt / DWELL) * (remaining - late)
+        return abs(self._filtered) < tolerance and abs(remaining) < 2.0 * tolerance

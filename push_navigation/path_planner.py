@@ -47,12 +47,12 @@ class Departure(NamedTuple):
     """
     Straight segment that leads off the object, or on to it the other way round.
 
-    :param place: its end (x, y) at the clearance, or the robot's place if that is as far away.
+    :param end: its end (x, y) at the clearance, or the robot's position if that is as far away.
     :param is_needed: whether there is such a segment.
     :param is_backwards: whether the robot leaves backwards.
     """
 
-    place: tuple[float, float]
+    end: tuple[float, float]
     is_needed: bool
     is_backwards: bool
 
@@ -137,10 +137,10 @@ def path_with_clearance(robot: RoundRobot, obj: PushedObject, object_pose: Pose,
     departure = departure_from_start(robot, body, to_object @ start, settings.clearance)
     arrival = departure_from_goal(robot, body, to_object @ goal, settings.clearance)
 
-    routes = waypoints_around_object(body, departure.place, arrival.place)
+    routes = waypoints_around_object(body, departure.end, arrival.end)
     ends = PathEnds(start, goal,
-                    departure._replace(place=object_pose.transform(departure.place)),
-                    arrival._replace(place=object_pose.transform(arrival.place)))
+                    departure._replace(end=object_pose.transform(departure.end)),
+                    arrival._replace(end=object_pose.transform(arrival.end)))
     reversing = min(settings.max_reverse_distance, settings.reverse_limit)
     paths: list[Path] = []
     for route in routes:
@@ -168,12 +168,12 @@ def _grid_routes(margins: MapClearance, body: InflatedObstacle, object_pose: Pos
     :raises NoPathFound: where there is none at all.
     """
     try:
-        yield grid_waypoints(margins, body, object_pose, ends.departure.place, ends.arrival.place)
+        yield grid_waypoints(margins, body, object_pose, ends.departure.end, ends.arrival.end)
     except NoPathFound:
         if margins.context.uncertainty.drift == 0.0:
             raise
         yield grid_waypoints(margins._replace(counts_drift=False), body, object_pose,
-                             ends.departure.place, ends.arrival.place)
+                             ends.departure.end, ends.arrival.end)
 
 
 def check_robot(robot: RoundRobot) -> None:
@@ -196,19 +196,19 @@ def waypoints_around_object(body: InflatedObstacle, start: tuple[float, float],
     :param goal: (x, y), not inside [m].
     :return: list of routes, each a list of ``Waypoint`` without the start.
     """
-    ahead = math.atan2(goal[1] - start[1], goal[0] - start[0])
+    bearing = math.atan2(goal[1] - start[1], goal[0] - start[0])
     here, there = body.cone(*start), body.cone(*goal)
-    if not (here.occludes(ahead) and there.occludes(ahead + math.pi)):
+    if not (here.occludes(bearing) and there.occludes(bearing + math.pi)):
         return [[Waypoint(*goal)]]
     count = len(body.core)
     routes: list[list[Waypoint]] = []
-    for side, first, last, begin, end in (
+    for side, first, last, initial, final in (
             (1, here.right_index, there.left_index, here.right, there.left),
             (-1, here.left_index, there.right_index, here.left, there.right)):
         vertices = [(first + side * i) % count for i in range((side * (last - first)) % count + 1)]
         # Directions of motion: into the first corner, along the edges, out of the last corner.
-        directions = [begin, *(_edge_direction(body.core, *pair)
-                               for pair in zip(vertices, vertices[1:])), end + math.pi]
+        directions = [initial, *(_edge_direction(body.core, *pair)
+                                 for pair in zip(vertices, vertices[1:])), final + math.pi]
         routes.append([*_wound_round(body, float(side), vertices, directions), Waypoint(*goal)])
     return routes
 
@@ -318,8 +318,8 @@ def _departure(robot: RoundRobot, body: InflatedObstacle, pose: Pose) -> Departu
     if robot.drive == 'differential' and abs(wrap_angle(outward - along)) <= MAX_DEPARTURE_ANGLE:
         outward = along
     length = body.ray_exit(pose.x, pose.y, outward)
-    place = pose.x + length * math.cos(outward), pose.y + length * math.sin(outward)
-    return Departure(place, True, is_backwards)
+    end = pose.x + length * math.cos(outward), pose.y + length * math.sin(outward)
+    return Departure(end, True, is_backwards)
 
 
 def assemble_paths(robot: RoundRobot, ends: PathEnds, waypoints: Sequence[Waypoint],
@@ -334,7 +334,7 @@ def assemble_paths(robot: RoundRobot, ends: PathEnds, waypoints: Sequence[Waypoi
     start, goal, departure, arrival = ends
     joined = list(waypoints)
     if departure.is_needed:
-        joined.insert(0, Waypoint(*departure.place))
+        joined.insert(0, Waypoint(*departure.end))
     if arrival.is_needed:
         joined.append(Waypoint(goal.x, goal.y))
     if robot.drive == 'holonomic':

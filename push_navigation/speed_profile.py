@@ -247,22 +247,22 @@ def _trapezoid_time(length: float, first: float, last: float, speed: float,
     return (2.0 * peak - first - last) / acceleration + even / peak
 
 
-def stopping_speed(left: float, acceleration: float) -> float:
+def stopping_speed(remaining: float, acceleration: float) -> float:
     """
-    Speed from which the robot can stop on what is left; it fades out at the end.
+    Speed from which the robot can stop on the remaining distance; it fades out at the end.
 
-    With a the braking acceleration and T the fade time: ``left / T`` below a distance of
-    ``a T^2``, and ``sqrt(a (2 left - a T^2))`` above, which continues it smoothly.
+    With a the braking acceleration and T the fade time: ``remaining / T`` below a distance of
+    ``a T^2``, and ``sqrt(a (2 remaining - a T^2))`` above, which continues it smoothly.
 
-    :param left: distance or angle left, at least 0 [m or rad].
+    :param remaining: remaining distance or angle, at least 0 [m or rad].
     :param acceleration: limit [m/s^2 or rad/s^2].
     :return: speed [m/s or rad/s].
     """
     acceleration *= BRAKING_FRACTION
     fading = acceleration * FADE_TIME ** 2
-    if left < fading:
-        return left / FADE_TIME
-    return math.sqrt(acceleration * (2.0 * left - fading))
+    if remaining < fading:
+        return remaining / FADE_TIME
+    return math.sqrt(acceleration * (2.0 * remaining - fading))
 
 
 class MotionSection:
@@ -317,14 +317,14 @@ class MotionSection:
         """
         i = self._index
         top, braking = self._limits[i]
-        left = self._starts[i + 1] - s
+        remaining = self._starts[i + 1] - s
         if self._windows[i] and s - self._starts[i] < self._windows[i]:
             top = min(top, self._speeds[i])
         if i == len(self.segments) - 1 and self._speeds[-1] == 0.0:
-            return math.copysign(min(top, stopping_speed(abs(left), braking)), left)
-        left = max(0.0, left - self._windows[i + 1])
+            return math.copysign(min(top, stopping_speed(abs(remaining), braking)), remaining)
+        remaining = max(0.0, remaining - self._windows[i + 1])
         return min(top, math.sqrt(self._speeds[i + 1] ** 2
-                                  + 2.0 * BRAKING_FRACTION * braking * left))
+                                  + 2.0 * BRAKING_FRACTION * braking * remaining))
 
     def direction(self, s: float) -> float:
         """
@@ -332,7 +332,7 @@ class MotionSection:
 
         :param s: arc length from the beginning [m].
         """
-        index, along = self._place_at(s)
+        index, along = self._segment_at(s)
         return self.segments[index].direction(along)
 
     def smooth_motion(self, s: float) -> tuple[float, float, float]:
@@ -345,18 +345,18 @@ class MotionSection:
         :param s: arc length from the beginning [m].
         :return: direction [rad], curvature [1/m], offset to the left of the path [m].
         """
-        index, along = self._place_at(s)
+        index, along = self._segment_at(s)
         direction, curvature = self.segments[index].direction(along), self._curvatures[index]
         joint = min(self._joints, key=lambda joint: abs(s - joint.s), default=None)
         if joint is None:
             return direction, curvature, 0.0
         offset = curvature * joint.window ** 2 / 6.0
-        left = joint.window - abs(s - joint.s)
-        if left > 0.0:
+        overlap = joint.window - abs(s - joint.s)
+        if overlap > 0.0:
             beyond = math.copysign(1.0, s - joint.s)
-            direction += joint.jump * left ** 2 / (4.0 * joint.window)
-            curvature -= beyond * joint.jump * left / (2.0 * joint.window)
-            offset -= beyond * joint.jump * left ** 3 / (12.0 * joint.window)
+            direction += joint.jump * overlap ** 2 / (4.0 * joint.window)
+            curvature -= beyond * joint.jump * overlap / (2.0 * joint.window)
+            offset -= beyond * joint.jump * overlap ** 3 / (12.0 * joint.window)
         return direction, curvature, offset
 
     def heading(self, s: float) -> tuple[float, float]:
@@ -366,7 +366,7 @@ class MotionSection:
         :param s: arc length from the beginning [m].
         :return: heading [rad], change per distance [rad/m].
         """
-        index, along = self._place_at(s)
+        index, along = self._segment_at(s)
         segment = self.segments[index]
         return segment.heading(along), segment.heading_change / segment.length
 
@@ -375,8 +375,8 @@ class MotionSection:
         return [CurvatureJump(s, after - before, window) for s, window, before, after in zip(
             self._starts[1:], self._windows[1:], curvatures, curvatures[1:]) if window]
 
-    def _place_at(self, s: float) -> tuple[int, float]:
-        """Find the number of the segment at an arc length, and the arc length on it [m]."""
+    def _segment_at(self, s: float) -> tuple[int, float]:
+        """Find the index of the segment at an arc length, and the arc length on it [m]."""
         s = min(self.length, max(0.0, s))
         index = len(self.segments) - 1
         while index and s < self._starts[index]:

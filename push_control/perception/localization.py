@@ -10,7 +10,7 @@ from push_control.perception.odometry_shift import OdometryShift
 from push_control.perception.view import View
 from push_control.settings import ControlSettings
 from push_control.supervision_settings import SupervisionSettings
-from push_model.contact import find_contact, FoundContact
+from push_model.contact import find_contact, NearestContact
 from push_model.events import Report
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
@@ -159,7 +159,7 @@ class Localization(ContactHypotheses):
             self.update_from_contact(measured, obj, robot, deviation)
 
     def _measured_contact(self, measured: ObjectPose, obj: PushedObject,
-                          robot: RoundRobot) -> FoundContact:
+                          robot: RoundRobot) -> NearestContact:
         """Find the contact at the time of an object pose."""
         robot_pose = self.pose_at(measured.time)
         return find_contact(obj, measured.pose, robot_pose[:2], robot.radius)

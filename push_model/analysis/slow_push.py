@@ -122,13 +122,14 @@ class _Step(NamedTuple):
         points, distances = shape.nearest(centers)
         inward = points - centers
         normals = np.arctan2(inward[:, 1], inward[:, 0])
-        along = np.column_stack([np.cos(normals), np.sin(normals)])
-        aside = np.column_stack([-along[:, 1], along[:, 0]])
+        inwards = np.column_stack([np.cos(normals), np.sin(normals)])
+        tangents = np.column_stack([-inwards[:, 1], inwards[:, 0]])
         spin = robot_radius * (after[:, 2] - before[:, 2])
-        steps = _rotated_rows(-poses[:, 2], after[:, :2] - before[:, :2]) + spin[:, None] * aside
+        steps = _rotated_rows(-poses[:, 2], after[:, :2] - before[:, :2])
+        steps = steps + spin[:, None] * tangents
         # What is left of the gap is not pushed.
-        steps = steps - (distances - robot_radius)[:, None] * along
-        return cls(points, normals, steps, (steps * along).sum(axis=1) > 0.0)
+        steps = steps - (distances - robot_radius)[:, None] * inwards
+        return cls(points, normals, steps, (steps * inwards).sum(axis=1) > 0.0)
 
 
 def _rows(supports: SupportArrays, rows: NDArray[np.int_]) -> SupportArrays:

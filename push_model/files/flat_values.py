@@ -63,8 +63,8 @@ def parameter_specs(cls: Any, prefix: str = '') -> list[ParameterSpec]:
         elif kind in SCALARS:
             specs.append(ParameterSpec(name, kind, default, field.metadata))
         else:
-            numbers = None if default is None else tuple(_flattened(default))
-            specs.append(ParameterSpec(name, list[float], numbers, field.metadata))
+            values = None if default is None else tuple(_flattened(default))
+            specs.append(ParameterSpec(name, list[float], values, field.metadata))
     return specs
 
 
@@ -156,11 +156,11 @@ def _items(cls: Any, values: Mapping[str, Any], prefix: str) -> tuple[Any, ...]:
         for row in rows)
 
 
-def _pairs(name: str, numbers: Any) -> tuple[tuple[float, float], ...]:
-    numbers = list(numbers) if hasattr(numbers, '__iter__') else [numbers]
-    if len(numbers) % 2:
-        raise ValueError(f'{name}: got {len(numbers)} numbers, expected pairs in a row')
-    return tuple(zip(numbers[::2], numbers[1::2]))
+def _pairs(name: str, values: Any) -> tuple[tuple[float, float], ...]:
+    values = list(values) if hasattr(values, '__iter__') else [values]
+    if len(values) % 2:
+        raise ValueError(f'{name}: got {len(values)} numbers, expected pairs in a row')
+    return tuple(zip(values[::2], values[1::2]))
 
 
 def _with_parameter_name(text: str, cls: type[Any], prefix: str) -> str:

@@ -38,18 +38,18 @@ def first_value(path: Path, key: str) -> str:
     :return: its text.
     :raises ParameterFileError: where the file cannot be read, or begins with something else.
     """
-    text, found = _text(path), []
+    text, scalars = _text(path), []
     try:
         for event in yaml.parse(text, Loader=yaml.SafeLoader):
             if isinstance(event, yaml.ScalarEvent):
-                found.append(str(event.value))
-            if len(found) == 2:
+                scalars.append(str(event.value))
+            if len(scalars) == 2:
                 break
     except yaml.YAMLError as error:
         raise _not_yaml(error, path) from error
-    if len(found) < 2 or found[0] != key:
-        raise ParameterFileError(f'{path}: got {found[:1]} as the first key, expected {key!r}')
-    return found[1]
+    if len(scalars) < 2 or scalars[0] != key:
+        raise ParameterFileError(f'{path}: got {scalars[:1]} as the first key, expected {key!r}')
+    return scalars[1]
 
 
 def parse_yaml(text: str, source: str | Path) -> dict[str, Any]:
@@ -66,8 +66,8 @@ def parse_yaml(text: str, source: str | Path) -> dict[str, Any]:
     except yaml.YAMLError as error:
         raise _not_yaml(error, source) from error
     if not isinstance(data, dict):
-        found = 'nothing' if data is None else f'{type(data).__name__} {data!r}'
-        raise ParameterFileError(f'{source}: got {found}, expected a mapping of keys to values')
+        content = 'nothing' if data is None else f'{type(data).__name__} {data!r}'
+        raise ParameterFileError(f'{source}: got {content}, expected a mapping of keys to values')
     return data
 
 

@@ -90,7 +90,7 @@ class ApproachProblem(NamedTuple):
 
 
 @compiled
-def append(segments: Any, count: int, kind: int, begin: tuple[float, float, float],
+def append(segments: Any, count: int, kind: int, start: tuple[float, float, float],
            extent: tuple[float, float], reverses: float) -> int:
     """
     Append a segment, unless it has neither length nor angle.
@@ -98,7 +98,7 @@ def append(segments: Any, count: int, kind: int, begin: tuple[float, float, floa
     :param segments: shape (s, SEGMENT_SIZE), changed.
     :param count: of segments so far.
     :param kind: of the segment.
-    :param begin: (x, y, direction of motion) where it begins.
+    :param start: (x, y, direction of motion) where it begins.
     :param extent: (length, 0 for a turn in place [m]; change of the direction [rad]).
     :param reverses: 1 where a differential drive moves backwards, else 0.
     :return: count of segments now.
@@ -107,23 +107,23 @@ def append(segments: Any, count: int, kind: int, begin: tuple[float, float, floa
     if length < NO_LENGTH and abs(angle) < NO_ANGLE:
         return count
     row = segments[count]
-    row[X], row[Y], row[THETA] = begin
+    row[X], row[Y], row[THETA] = start
     row[LENGTH], row[ANGLE], row[REVERSES], row[KIND] = length, angle, reverses, kind
     return count + 1
 
 
 @compiled
-def moved(begin: tuple[float, float, float], length: float,
+def moved(start: tuple[float, float, float], length: float,
           angle: float) -> tuple[float, float, float]:
     """
     Move along an arc.
 
-    :param begin: (x, y, direction of motion) at its beginning.
+    :param start: (x, y, direction of motion) at its beginning.
     :param length: [m].
     :param angle: change of the direction [rad].
     :return: the same at its end.
     """
     half = 0.5 * angle
     chord = length * math.sin(half) / half if abs(half) > 1e-8 else length
-    return (begin[0] + chord * math.cos(begin[2] + half),
-            begin[1] + chord * math.sin(begin[2] + half), begin[2] + angle)
+    return (start[0] + chord * math.cos(start[2] + half),
+            start[1] + chord * math.sin(start[2] + half), start[2] + angle)
