@@ -21,8 +21,8 @@ def displacement_bound(problem: PushProblem) -> float:
     goal, speed = problem.relative_goal, problem.settings.pushing_speed
     x, y = _followed_point(problem, 0.0)
     if problem.settings.heading_free:
-        reach = 2.0 * math.hypot(x, y)
-        return max(math.hypot(goal.x, goal.y) - reach, NO_DISTANCE) / speed
+        offsets = 2.0 * math.hypot(x, y)
+        return max(math.hypot(goal.x, goal.y) - offsets, NO_DISTANCE) / speed
     end_x, end_y = goal.transform(_followed_point(problem, wrap_angle(goal.theta)))
     return max(math.hypot(end_x - x, end_y - y), NO_DISTANCE) / speed
 

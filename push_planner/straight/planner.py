@@ -31,7 +31,7 @@ from push_primitives.weights import FrictionBelief
 
 # Distances of robot and goal in a plan that only warms up [m]; chosen: clear of any object.
 WARM_UP_DISTANCE = 3.0
-# Deviation of the robot's place that is taken after pushes that brought the object no nearer to
+# Deviation of the robot's position that is taken after pushes that brought the object no nearer to
 # its goal, at least [m]: what it believes has failed; that of the table for unsure robots.
 FAILED_DEVIATION = 0.02
 
@@ -86,7 +86,7 @@ def plan_straight_push(request: PlanRequest, robot: RoundRobot,
 
 def checked_request(request: PlanRequest, robot: RoundRobot) -> PlanRequest:
     """
-    Check what a push is planned for; after failed attempts the robot's place is less certain.
+    Check what a push is planned for; after failed attempts the robot's position is less certain.
 
     A fine outline and many supports of the object are simplified.
 
@@ -171,7 +171,7 @@ def friction_belief(request: PlanRequest) -> FrictionBelief:
 
 
 def position_uncertainty(request: PlanRequest) -> PositionUncertainty:
-    """Gather how uncertain the robot's place is."""
+    """Gather how uncertain the robot's position is."""
     return PositionUncertainty(request.robot_deviation, request.odometry_slope,
                                request.odometry_drift)
 

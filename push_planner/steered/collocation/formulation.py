@@ -151,9 +151,9 @@ def max_angle_rate(problem: PushProblem) -> float:
     """
     robot, settings = problem.robot, problem.settings
     if problem.kind == 'differential':
-        reach = robot.radius * math.cos(problem.heading_offset)
+        lever = robot.radius * math.cos(problem.heading_offset)
         return min(settings.max_angle_rate,
-                   robot.max_yaw_acceleration * reach / settings.pushing_speed)
+                   robot.max_yaw_acceleration * lever / settings.pushing_speed)
     return min(settings.max_angle_rate, robot.max_acceleration / settings.pushing_speed)
 
 

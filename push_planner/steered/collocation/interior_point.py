@@ -118,7 +118,7 @@ class InteriorResult(NamedTuple):
     iterations: int
 
 
-class _Judgement(NamedTuple):
+class _Evaluation(NamedTuple):
     """
     Judgement of an iterate.
 
@@ -208,7 +208,7 @@ def _solve_from(memory: '_Memory', guess: FloatArray) -> tuple[bool, int]:
 
 def _iterate(memory: '_Memory') -> tuple[bool, int]:
     """Take steps until the conditions hold; tell whether they do, and the number of steps."""
-    filter_entries: list[_Judgement] = []
+    filter_entries: list[_Evaluation] = []
     present = memory.evaluate()
     violations: collections.deque[float] = collections.deque(maxlen=STAGNANT_ITERATES)
     for count in range(MAX_ITERATIONS):
@@ -238,7 +238,7 @@ def _is_stagnant(violations: collections.deque[float]) -> bool:
             and max(violations) < STAGNANT_RATIO * least)
 
 
-def _search(memory: '_Memory', entries: list[_Judgement]) -> Optional[_Judgement]:
+def _search(memory: '_Memory', entries: list[_Evaluation]) -> Optional[_Evaluation]:
     """Shorten the step until the filter accepts it."""
     for halvings in range(MAX_HALVINGS):
         accepted = memory.halve_step() if halvings else memory.take_step()
@@ -316,15 +316,15 @@ class _Memory:
         self.common, self.data = np.zeros(step['common']), np.zeros((n, step['data']))
         self.bounds, self.tuning = np.zeros(len(Bounds._fields)), np.zeros(len(Tuning._fields))
         # Of all steps, the start, and the end.
-        self._measures, self._judged = (np.zeros((n + 2 + more, step['measures']))
-                                        for more in (0, 1))
+        self._measures, self._accumulated = (np.zeros((n + 2 + more, step['measures']))
+                                             for more in (0, 1))
         # Of the start, all steps, and the end.
         self._limits = np.zeros((n + 2, 2))
         # Of all steps from the end, and then the start: row 0 is that of the end, without any.
         self._indefinite_pivots = np.zeros((n + 2, 1))
-        judge = functions.judge.bind({
-            'before': self._judged[:-1], 'present': self._measures,
-            'accumulated': self._judged[1:]})
+        accumulate = functions.accumulate.bind({
+            'before': self._accumulated[:-1], 'present': self._measures,
+            'accumulated': self._accumulated[1:]})
         views = _Views(primal, primal_step, dual, dual_step, rows)
         recursion = _Recursion.allocate(functions, n, states)
         evaluate_first, start = self._bind_start(functions, views, recursion)
@@ -338,7 +338,7 @@ class _Memory:
                                 self.dual)
         step_lengths = functions.step_lengths.bind({'limits': self._limits[-1],
                                                     'lengths': lengths})
-        self._evaluate = RowSequence(evaluate_first, evaluate, evaluate_end, judge)
+        self._evaluate = RowSequence(evaluate_first, evaluate, evaluate_end, accumulate)
         self._find_step = RowSequence(recur, start)
         self._repeat_step = RowSequence(advance, self._evaluate)
         self._take_step = RowSequence(expand, expand_end, step_lengths, advance_dual,
@@ -440,14 +440,15 @@ class _Memory:
         self.primal[self._slacks] = np.maximum(self._rows, least_slack)
         self.dual[self._multipliers] = barrier / self.primal[self._slacks]
 
-    def evaluate(self) -> _Judgement:
-        """Evaluate all rows and their derivatives, and judge them."""
+    def evaluate(self) -> _Evaluation:
+        """Evaluate all rows and their derivatives, and take their measures."""
         self._evaluate()
-        return self._judgement()
+        return self._evaluation()
 
-    def _judgement(self) -> _Judgement:
-        violation, log_slacks, cost, primal, dual, excess = self._judged[-1].tolist()
-        return _Judgement(violation, cost - self.tuning[0] * log_slacks, max(primal, dual), excess)
+    def _evaluation(self) -> _Evaluation:
+        violation, log_slacks, cost, primal, dual, excess = self._accumulated[-1].tolist()
+        merit = cost - self.tuning[0] * log_slacks
+        return _Evaluation(violation, merit, max(primal, dual), excess)
 
     def find_step(self) -> bool:
         """Find the Newton step; False where no regularization makes the Hessian positive."""
@@ -460,17 +461,17 @@ class _Memory:
             regularization = max(FIRST_REGULARIZATION, REGULARIZATION_FACTOR * regularization)
         return False
 
-    def take_step(self) -> _Judgement:
+    def take_step(self) -> _Evaluation:
         """Take as much of the step as keeps slacks and multipliers positive."""
         self._before[:], self._dual_before[:] = self.primal, self.dual
         self._take_step()
-        return self._judgement()
+        return self._evaluation()
 
-    def halve_step(self) -> _Judgement:
+    def halve_step(self) -> _Evaluation:
         """Take half as much of the step of the variables and slacks as before."""
         self._length *= 0.5
         self._repeat_step()
-        return self._judgement()
+        return self._evaluation()
 
 
 def _advance(functions: NewtonFunctions, before: FloatArray, step: FloatArray,

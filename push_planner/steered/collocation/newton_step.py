@@ -82,7 +82,7 @@ class NewtonFunctions(NamedTuple):
     :param evaluate_first: of the start.
     :param evaluate: of every step.
     :param evaluate_end: of the end.
-    :param judge: measures of all blocks, taken together one by one.
+    :param accumulate: measures of all blocks, taken together one by one.
     :param recur: Riccati recursion over one step; counts pivots that are not positive.
     :param start: step of the start; counts its own pivots, too.
     :param expand: step of every step; keeps the tightest limits of the blocks so far.
@@ -94,7 +94,7 @@ class NewtonFunctions(NamedTuple):
     evaluate_first: RowFunction
     evaluate: RowFunction
     evaluate_end: RowFunction
-    judge: RowFunction
+    accumulate: RowFunction
     recur: RowFunction
     start: RowFunction
     expand: RowFunction
@@ -200,7 +200,7 @@ class _Builder:
         evaluate, expand = self._of_step()
         evaluate_first, start = self._of_first()
         evaluate_end, expand_end = self._of_end()
-        return NewtonFunctions(evaluate_first, evaluate, evaluate_end, _judge(),
+        return NewtonFunctions(evaluate_first, evaluate, evaluate_end, _accumulate(),
                                self._recursion(), start, expand, expand_end, *_advance())
 
     def _box(self, x: Any, has_range: bool) -> list[Any]:
@@ -327,13 +327,13 @@ class _Builder:
         dx = shift - basis @ ca.vertcat(
             reduced[1, 1] * right[0] - reduced[0, 1] * right[1],
             reduced[0, 0] * right[1] - reduced[0, 1] * right[0]) / determinant
-        eta_found = -inverse.T @ (gradient + hessian @ dx)[bound]
+        eta_new = -inverse.T @ (gradient + hessian @ dx)[bound]
         ds = g.jacobian @ dx + g.rows - g.slacks
         dy, limits = g.changes(ds, barrier)
         indefinite_pivots = ca.SX.sym('indefinite_next')
         start = _function('start', {**inputs, 'values': values, 'linear': linear,
                                     'indefinite_next': indefinite_pivots}, {
-            'dx': dx, 'ds': ds, 'dy': dy, 'deta': eta_found - eta, 'limits': limits,
+            'dx': dx, 'ds': ds, 'dy': dy, 'deta': eta_new - eta, 'limits': limits,
             'indefinite': (indefinite_pivots + _is_indefinite(reduced[0, 0])
                            + _is_indefinite(determinant))})
         return evaluate, start
@@ -365,11 +365,13 @@ class _Builder:
 
 
 @functools.lru_cache(maxsize=1)
-def _judge() -> RowFunction:
+def _accumulate() -> RowFunction:
     """Build what adds up the first measures, and keeps the largest of the others."""
     before, present = ca.SX.sym('before', len(MEASURES)), ca.SX.sym('present', len(MEASURES))
-    return _function('judge', {'before': before, 'present': present}, {'accumulated': ca.vertcat(
-        before[:SUMS] + present[:SUMS], ca.fmax(before[SUMS:], present[SUMS:]))})
+    accumulated = ca.vertcat(
+        before[:SUMS] + present[:SUMS], ca.fmax(before[SUMS:], present[SUMS:]))
+    return _function('accumulate', {'before': before, 'present': present},
+                     {'accumulated': accumulated})
 
 
 @functools.lru_cache(maxsize=1)

@@ -151,16 +151,16 @@ def contact_length(lengths: Sequence[float], turns: Sequence[SteadyTurn]) -> flo
 def _steady_turns(problem: PushProblem, v_squared: float) -> Optional[TurnPair]:
     """Find the tightest steady turns at a squared speed V [m^2/s^2]."""
     settings, parameters = problem.settings, problem.push_parameters
-    slope, max_angle, reach = math.inf, MAX_TURN_ANGLE, 0.0
+    slope, max_angle, lever = math.inf, MAX_TURN_ANGLE, 0.0
     if settings.angle_limit == 'cone':
         slope = math.tan(problem.planning_cone_angle)
     elif settings.angle_limit == 'angle':
         max_angle = settings.max_pushing_angle
     if problem.kind == 'differential':
-        reach = problem.robot.radius * math.cos(problem.heading_offset)
+        lever = problem.robot.radius * math.cos(problem.heading_offset)
     key = TurnKey(parameters.supports, tuple(parameters.column()), problem.normal_offset,
                   v_squared)
-    turns = turn_limits(key, ContactLimits(slope, max_angle, reach, problem.heading_offset))
+    turns = turn_limits(key, ContactLimits(slope, max_angle, lever, problem.heading_offset))
     if turns is None or not (turns[0].curvature > 0.0 > turns[1].curvature):
         return None
     return turns
@@ -173,12 +173,12 @@ def _differential_turns(problem: PushProblem) -> TurnPair:
     They are those of the object seen as a vehicle, without inertia.
     """
     vehicle = problem.vehicle
-    reach = vehicle.arm + problem.robot.radius
+    lever = vehicle.arm + problem.robot.radius
     beta = MAX_TURN_ANGLE
     if problem.settings.angle_limit == 'cone':
         beta = problem.planning_cone_angle
-    left = _vehicle_turn(vehicle.wheelbase, (problem.heading_offset + beta) / reach)
-    right = _vehicle_turn(vehicle.wheelbase, (problem.heading_offset - beta) / reach)
+    left = _vehicle_turn(vehicle.wheelbase, (problem.heading_offset + beta) / lever)
+    right = _vehicle_turn(vehicle.wheelbase, (problem.heading_offset - beta) / lever)
     return left, right
 
 

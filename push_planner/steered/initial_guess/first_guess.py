@@ -131,14 +131,14 @@ def _differential_steering(problem: PushProblem, motion: _Motion,
     :return: normals and pushing angles at the nodes, shape (n + 1,) each [rad].
     """
     direction = motion.theta + problem.vehicle.angle + motion.steering
-    reach = problem.robot.radius * math.cos(problem.heading_offset)
+    lever = problem.robot.radius * math.cos(problem.heading_offset)
     first, start = float(direction[0]), problem.start_normal
     gammas = [first + wrap_angle(start - first)]
     angles: list[float] = []
     targets = 0.5 * (direction[1:] + direction[:-1]) + problem.heading_offset
     for target, length in zip(targets.tolist(), lengths.tolist()):
-        change = (target - gammas[-1]) * (1.0 - math.exp(-length / reach))
-        sine = max(-MAX_STEERING_SINE, min(MAX_STEERING_SINE, change * reach / length))
+        change = (target - gammas[-1]) * (1.0 - math.exp(-length / lever))
+        sine = max(-MAX_STEERING_SINE, min(MAX_STEERING_SINE, change * lever / length))
         angles.append(math.asin(sine) - problem.heading_offset)
         gammas.append(gammas[-1] + change)
     rho = np.array([angles[0], *(0.5 * (a + b) for a, b in zip(angles, angles[1:])), angles[-1]])

@@ -58,14 +58,14 @@ class ContactLimits(NamedTuple):
 
     :param slope: tangent of the half-angle of the cone, infinite where it does not count.
     :param max_angle: largest pushing angle [rad].
-    :param reach: ``R_p cos(D)`` of a differential drive, whose heading sets the normal; 0 of a
+    :param lever: ``R_p cos(D)`` of a differential drive, whose heading sets the normal; 0 of a
         contact that is held on the object [m].
     :param heading_offset: D of a differential drive [rad].
     """
 
     slope: float
     max_angle: float
-    reach: float = 0.0
+    lever: float = 0.0
     heading_offset: float = 0.0
 
     def steered_angles(self, rates: FloatArray) -> FloatArray:
@@ -76,7 +76,7 @@ class ContactLimits(NamedTuple):
 
         :param rates: w, shape (n,) [1/m].
         """
-        return np.arcsin(np.clip(self.reach * rates, -1.0, 1.0)) - self.heading_offset
+        return np.arcsin(np.clip(self.lever * rates, -1.0, 1.0)) - self.heading_offset
 
 
 class SteadyTurns(NamedTuple):
@@ -101,7 +101,7 @@ class SteadyTurns(NamedTuple):
         :return: ``SteadyTurn`` (to the left, to the right); None where straight ahead is outside.
         """
         held = self.steering_angles - offset
-        rho = held if contact.reach == 0.0 else contact.steered_angles(self.rates)
+        rho = held if contact.lever == 0.0 else contact.steered_angles(self.rates)
         reserve = contact.max_angle + ANGLE_ROUNDING - np.abs(rho)
         if math.isfinite(contact.slope):
             # The forces are along the normal of a contact that is held.

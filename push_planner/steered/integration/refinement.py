@@ -125,7 +125,7 @@ def _resolved(problem: PushProblem, memory: '_RefinementMemory', solution: Solut
 def _refined(memory: '_RefinementMemory', solution: Solution,
              previous: Optional[RefinedPush]) -> Optional[RefinedPush]:
     """Refine a solution in memory that has its program."""
-    memory.begin(solution, previous)
+    memory.follow_solution(solution, previous)
     best: Optional[RefinedPush] = None
     least, before, miss = math.inf, memory.first_miss(), memory.miss()
     for _ in range(FINE_ROLLOUTS):
@@ -168,8 +168,8 @@ class _RefinementMemory:
         self._jumps = dimensions.jumps
         self._steering = steering = SteeringMemory(n)
         steering.end_weights[:] = STRAIGHT_END_WEIGHTS if dimensions.straight_end else END_WEIGHTS
-        begin = _begin(any_steps)
-        self._common, self._rates = np.zeros(begin.sizes['common']), np.zeros((n, POINTS))
+        start_node = _start_node(any_steps)
+        self._common, self._rates = np.zeros(start_node.sizes['common']), np.zeros((n, POINTS))
         column = self._common[:dimensions.supports.column_size]
         self._rollout = rollout = RolloutMemory(
             dimensions, doublings, column, steering.present.gains, steering.changes,
@@ -178,19 +178,21 @@ class _RefinementMemory:
             'node': rollout.nodes[:-1], 'free_length': steering.free_length,
             'change': steering.changes, 'data': rollout.data, 'rates': self._rates,
             'column': column, 'map': steering.maps.reshape(n, -1)})
-        start = begin.bind({'present': rollout.nodes[0], 'common': self._common,
-                            'node': rollout.nodes[0], 'state': rollout.first_state})
+        start = start_node.bind({'present': rollout.nodes[0], 'common': self._common,
+                                 'node': rollout.nodes[0], 'state': rollout.first_state})
         # Size of the miss and ``EndError``, of the first and of fine rollouts.
         self._first_outcome, self._outcome = np.zeros(3), np.zeros(3)
-        judge_first, judge = (self._bind_judgement(any_steps, outcome)
-                              for outcome in (self._first_outcome, self._outcome))
+        evaluate_first_miss, evaluate_miss = (self._bind_miss(any_steps, outcome)
+                                              for outcome in (self._first_outcome, self._outcome))
         self._start, self._linearize = RowSequence(start), RowSequence(linearize, steering.solve)
-        self._judge_first, self._judge = RowSequence(judge_first), RowSequence(judge)
-        self._correct = RowSequence(steering.correct, rollout.follow, judge)
-        self._follow = RowSequence(start, rollout.follow_coarsely, judge_first, self._correct)
-        self._begin = RowSequence(self._linearize, self._follow)
+        self._evaluate_first_miss = RowSequence(evaluate_first_miss)
+        self._evaluate_miss = RowSequence(evaluate_miss)
+        self._correct = RowSequence(steering.correct, rollout.follow, evaluate_miss)
+        self._follow = RowSequence(start, rollout.follow_coarsely, evaluate_first_miss,
+                                   self._correct)
+        self._linearize_and_follow = RowSequence(self._linearize, self._follow)
 
-    def _bind_judgement(self, dimensions: Dimensions, outcome: FloatArray) -> BoundRows:
+    def _bind_miss(self, dimensions: Dimensions, outcome: FloatArray) -> BoundRows:
         return _goal_miss(dimensions).bind({
             'node': self._rollout.nodes[-1], 'common': self._common, 'miss': self._steering.miss,
             'outcome': outcome})
@@ -207,13 +209,13 @@ class _RefinementMemory:
             self._rollout.data[0, MAY_STEER] = 1.0
         self._common[:] = formulation.common
 
-    def begin(self, solution: Solution, previous: Optional[RefinedPush]) -> None:
+    def follow_solution(self, solution: Solution, previous: Optional[RefinedPush]) -> None:
         """Follow the solution of the program, correct it, and follow that."""
         rollout = self._rollout
         self._set_reference(solution, previous)
         if previous is None:
             self._rates[:] = solution.rates
-            self._begin()
+            self._linearize_and_follow()
         else:
             self._steering.load(previous.steering)
             self._follow()
@@ -225,11 +227,11 @@ class _RefinementMemory:
             self._linearize()
         self._start()
         rollout.follow_divided(coarse=True)
-        self._judge_first()
+        self._evaluate_first_miss()
         self._correct_and_divide()
 
     def _set_reference(self, solution: Solution, previous: Optional[RefinedPush]) -> None:
-        """Take the solution as the reference, refined as a former one."""
+        """Take the solution as the reference, refined as a previous one."""
         nodes, steering = self._rollout.nodes, self._steering
         may_steer = self._rollout.data[:, MAY_STEER]
         nodes[:], steering.changes[:, 0] = solution.nodes, solution.changes * may_steer
@@ -259,7 +261,7 @@ class _RefinementMemory:
         """Correct the last rollout, and follow that in finer parts where it has to be."""
         self._steering.correct()
         self._rollout.follow_divided()
-        self._judge()
+        self._evaluate_miss()
 
     def first_miss(self) -> float:
         """Size of the miss before all corrections [m, rad]."""
@@ -302,10 +304,10 @@ def _linearized_step(kind: PushKind, supports: SupportLayout, jumps: bool) -> Ro
     step = IntegrationStep(of_step.length + of_step.free_fraction * free_length,
                            of_step.may_steer * change, of_step.v_squared,
                            of_step.v_squared_slope, jumps, SMOOTHING)
-    begin = Node(*ca.vertsplit(node))
+    start = Node(*ca.vertsplit(node))
     if kind == 'held':
-        begin = begin._replace(phi=begin.theta)
-    result = collocate(kind, parameters, begin, step, ca.vertsplit(rates))
+        start = start._replace(phi=start.theta)
+    result = collocate(kind, parameters, start, step, ca.vertsplit(rates))
     end = ca.vertcat(*result.end, free_length)
     residual = ca.vertcat(*result.residuals)
     arguments = ca.vertcat(node, free_length, change)
@@ -321,7 +323,7 @@ def _linearized_step(kind: PushKind, supports: SupportLayout, jumps: bool) -> Ro
 
 
 @functools.lru_cache(maxsize=16)
-def _begin(dimensions: Dimensions) -> RowFunction:
+def _start_node(dimensions: Dimensions) -> RowFunction:
     """Build the node at the start of a push from its pushing angle, alone and of a state."""
     inputs, present = common_symbols(dimensions), ca.SX.sym('present', NODE_SIZE)
     boundary, rho = inputs.boundary, present[Node._fields.index('rho')]
@@ -366,8 +368,8 @@ def _straightness(dimensions: Dimensions, inputs: CommonSymbols, node: Node,
         heading = delta - boundary.delta + rotation
     back = {'held': rotation, 'differential': heading, 'rolling': 0.0}[dimensions.kind]
     delta, c_x, c_y = contact_frame(parameters, node.theta - rotation, node.phi - back)
-    ahead = ca.atan2(boundary.f_y - c_y, boundary.f_x - c_x)
-    return _wrapped(delta + node.rho - ahead), heading
+    direction = ca.atan2(boundary.f_y - c_y, boundary.f_x - c_x)
+    return _wrapped(delta + node.rho - direction), heading
 
 
 def _wrapped(angle: Any) -> Any:

@@ -11,7 +11,7 @@ from typing import Any
 from push_dynamics.compiled import compiled
 from push_planner.straight.map_search.scene import clearance
 
-# Angle at which a disc is pushed off an obstacle [rad], of which one place of the table is certain
+# Angle at which a disc is pushed off an obstacle [rad], of which one point of the table is certain
 # to have most, and distance from its middle at which the floor is looked at for the direction of
 # the obstacle [m].
 LEAVING_ANGLE = math.radians(20.0)
@@ -60,9 +60,10 @@ def _leaves_obstacle(scene: Any, pose: Any, needed: float) -> bool:
         # Between obstacles.
         return True
     away = scene.outer_radius + scene.robot_radius + STANDOFF
-    back, aside = away * math.sin(LEAVING_ANGLE) / norm, away * math.cos(LEAVING_ANGLE) / norm
-    return (clearance(scene.floor, x - back * u - aside * v, y - back * v + aside * u) >= needed
-            or clearance(scene.floor, x - back * u + aside * v, y - back * v - aside * u)
+    back, lateral = away * math.sin(LEAVING_ANGLE) / norm, away * math.cos(LEAVING_ANGLE) / norm
+    return (clearance(scene.floor, x - back * u - lateral * v, y - back * v + lateral * u)
+            >= needed
+            or clearance(scene.floor, x - back * u + lateral * v, y - back * v - lateral * u)
             >= needed)
 
 

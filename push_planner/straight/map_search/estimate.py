@@ -61,7 +61,7 @@ def estimate(guide: Any, query: Any, x: float, y: float, theta: float, face: int
 @compiled
 def is_open(floor: Any, query: Any, x: float, y: float) -> bool:
     """
-    Tell whether the floor is open from a place of the object to the goal.
+    Tell whether the floor is open from a position of the object to the goal.
 
     :param floor: ``Floor``.
     :param query: ``Query``.

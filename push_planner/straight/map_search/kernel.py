@@ -1,8 +1,8 @@
 """
 Best-first search over straight pushes: weighted A* in (x, y, theta, face), compiled.
 
-A node is a pose of the object, the face that was pushed last and the place of the robot after it.
-Its ``successors`` are the straight pushes whose first contact the robot reaches, as long as
+A node is a pose of the object, the face that was pushed last and the position of the robot after
+it. Its ``successors`` are the straight pushes whose first contact the robot reaches, as long as
 neither meets an obstacle. Nodes come in the order of g + w h, with the ``estimate`` h of what
 remains. The search ends at a node from which the floor is open up to the goal, or in a push that
 ends at the goal itself.

@@ -41,7 +41,7 @@ class DistanceGrid(NamedTuple):
 
 class Narrow(NamedTuple):
     """
-    Narrowest place of the widest path.
+    Narrowest passage of the widest path.
 
     :param x: in the frame of the map [m].
     :param y: in the frame of the map [m].
@@ -62,15 +62,15 @@ def distance_grid(floor: Floor, goal: tuple[float, float], needed: float) -> Dis
     """
     lengths, spacing = _grid(floor, UNREACHED)
     keys, items = _queue(lengths)
-    _spread(floor, goal, needed - NARROWER * spacing, spacing, NEIGHBOURS, lengths, keys=keys,
-            items=items)
+    _propagate(floor, goal, needed - NARROWER * spacing, spacing, NEIGHBOURS, lengths, keys=keys,
+               items=items)
     return DistanceGrid(lengths, spacing)
 
 
-def narrowest_place(floor: Floor, start: tuple[float, float],
-                    goal: tuple[float, float]) -> Narrow:
+def narrowest_passage(floor: Floor, start: tuple[float, float],
+                      goal: tuple[float, float]) -> Narrow:
     """
-    Find the narrowest place on the widest path.
+    Find the narrowest passage on the widest path.
 
     :param start: (x, y) in the frame of the map [m].
     :param goal: (x, y) likewise [m].
@@ -78,12 +78,12 @@ def narrowest_place(floor: Floor, start: tuple[float, float],
     widths, spacing = _grid(floor, -UNREACHED)
     before = np.full(widths.shape, -1, dtype=np.int64)
     keys, items = _queue(widths)
-    _spread_widest(floor, goal, spacing, NEIGHBOURS, widths, before, keys=keys, items=items)
+    _propagate_widest(floor, goal, spacing, NEIGHBOURS, widths, before, keys=keys, items=items)
     rows, columns = widths.shape
     i = min(rows - 1, max(0, int(start[1] / spacing)))
     j = min(columns - 1, max(0, int(start[0] / spacing)))
     least = float(widths[i, j])
-    # Up to the narrowest place all widths are that of it, and beyond it greater.
+    # Up to the narrowest passage all widths are that of it, and beyond it greater.
     while before[i, j] >= 0:
         following = divmod(int(before[i, j]), columns)
         if widths[following] > least + 1e-6:
@@ -110,7 +110,7 @@ def _queue(grid: NDArray[np.float32]) -> tuple[NDArray[np.float64], NDArray[np.i
 @compiled
 def length_at(grid: Any, x: float, y: float) -> float:
     """
-    Find the length of the path from a place: the least of the grid points about it.
+    Find the length of the path from a point: the least of the grid points about it.
 
     :param grid: ``DistanceGrid``.
     :param x: in the frame of the map [m].
@@ -130,8 +130,8 @@ def length_at(grid: Any, x: float, y: float) -> float:
 
 
 @compiled
-def _spread(floor: Any, goal: Any, needed: float, spacing: float, neighbours: Any, lengths: Any,
-            *, keys: Any, items: Any) -> None:
+def _propagate(floor: Any, goal: Any, needed: float, spacing: float, neighbours: Any, lengths: Any,
+               *, keys: Any, items: Any) -> None:
     """Write the lengths of shortest paths from the grid points about the goal."""
     rows, columns = lengths.shape
     count = 0
@@ -160,8 +160,8 @@ def _spread(floor: Any, goal: Any, needed: float, spacing: float, neighbours: An
 
 
 @compiled
-def _spread_widest(floor: Any, goal: Any, spacing: float, neighbours: Any, widths: Any,
-                   before: Any, *, keys: Any, items: Any) -> None:
+def _propagate_widest(floor: Any, goal: Any, spacing: float, neighbours: Any, widths: Any,
+                      before: Any, *, keys: Any, items: Any) -> None:
     """Write the least clearance on the widest path to each grid point, and the point before it."""
     rows, columns = widths.shape
     i = min(rows - 1, max(0, int(goal[1] / spacing)))

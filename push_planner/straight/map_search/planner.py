@@ -23,7 +23,7 @@ from push_navigation.settings import DriveSettings
 from push_planner.problem import PlanningFailed
 from push_planner.settings import PlannerSettings
 from push_planner.straight.map_search.object_distance import (
-    distance_grid, DistanceGrid, length_at, narrowest_place, UNREACHED)
+    distance_grid, DistanceGrid, length_at, narrowest_passage, UNREACHED)
 from push_planner.straight.map_search.pushes import make_pushes, Pushes
 from push_planner.straight.map_search.remaining_pushes import (
     expected_end, is_as_expected, pushes_after_first, RemainingPushes)
@@ -60,10 +60,10 @@ TOTAL_EXPANSIONS = 8000
 MAX_FIRST_PUSHES, MAX_WIDE_PUSHES = 12, 3
 # Overlap of object and obstacles that is taken for an error of measurement [m]; chosen.
 MAX_OVERLAP = 0.02
-# Places on the line to the goal at which the floor is looked at.
+# Points on the line to the goal at which the floor is looked at.
 LINE_SAMPLES = 40
-# Rounding of places [m].
-SAME_PLACE = 1e-6
+# Rounding of positions [m].
+SAME_POSITION = 1e-6
 # Cells of the map of a plan that only warms up [m].
 WARM_UP_RESOLUTION = 0.05
 # A search that has not left this distance has found the object shut in [m].
@@ -101,15 +101,15 @@ def plan_push_in_map(request: PlanRequest, robot: RoundRobot, settings: PlannerS
 
 def warm_up(obj: PushedObject, robot: RoundRobot, drive: DriveSettings) -> None:
     """Search once, so that the first request does not wait for the compiler."""
-    reach = max((math.hypot(*corner) for corner in obj.outline), default=obj.radius)
+    extent = max((math.hypot(*corner) for corner in obj.outline), default=obj.radius)
     # A room in which the floor is not open.
-    half = reach + 2.0 * robot.radius
+    half = extent + 2.0 * robot.radius
     if not math.isfinite(half):
         return
     count = math.ceil(2.0 * half / WARM_UP_RESOLUTION)
     room = OccupancyMap(WARM_UP_RESOLUTION, Pose(-half, -half, 0.0),
                         np.zeros((count, count), dtype=np.bool_))
-    beside = Pose(-reach - 0.9 * robot.radius, 0.0, 0.0)
+    beside = Pose(-extent - 0.9 * robot.radius, 0.0, 0.0)
     with contextlib.suppress(PlanningFailed):
         plan_push_in_map(PlanRequest(Pose(0.0, 0.0, 0.0), beside, Pose(0.05, 0.0, 0.0), obj),
                          robot, PlannerSettings(), drive, room)
@@ -286,7 +286,7 @@ class _MapPlanner:
             *known.poses, next(self._margins())._replace(max_expansions=2), blocked)
         time = known.paths.travel_time(Pose(*known.pushes.starts[option].tolist()))
         away = np.hypot(*(result.nodes[1:, :2] - end[:2]).T)
-        if away.min(initial=math.inf) > SAME_PLACE or not math.isfinite(time):
+        if away.min(initial=math.inf) > SAME_POSITION or not math.isfinite(time):
             return None
         expected = (first.remaining_time + time
                     + first.length / greatest_speed(self._robot, self._settings))
@@ -321,13 +321,13 @@ class _MapPlanner:
             costs.robot_speed)
 
     def _too_narrow(self, start: Pose, goal: Pose, needed: float) -> PlanningFailed:
-        """Name the narrowest place on the widest path."""
-        place = narrowest_place(self._scene.floor, (start.x, start.y), (goal.x, goal.y))
-        (x, y), = self._map.from_map([(place.x, place.y)]).tolist()
+        """Name the narrowest passage on the widest path."""
+        passage = narrowest_passage(self._scene.floor, (start.x, start.y), (goal.x, goal.y))
+        (x, y), = self._map.from_map([(passage.x, passage.y)]).tolist()
         return PlanningFailed(
             PlanFailure.BLOCKED, f'the floor is too narrow for the object at {x:.2f} m, {y:.2f} m:'
-            f' {place.width:.2f} m wide, at least {needed:.2f} m needed',
-            {'narrow_place': (x, y), 'width': place.width, 'needed_width': needed})
+            f' {passage.width:.2f} m wide, at least {needed:.2f} m needed',
+            {'narrow_place': (x, y), 'width': passage.width, 'needed_width': needed})
 
     def _search_failure(self, result: SearchResult | None) -> PlanningFailed:
         """Say how far the search came."""

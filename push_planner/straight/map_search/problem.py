@@ -10,11 +10,11 @@ from typing import NamedTuple
 from push_model.geometry import FloatArray, IntArray, Pose
 from push_planner.straight.map_search.object_distance import DistanceGrid
 from push_planner.straight.map_search.pushes import Pushes
-from push_planner.straight.map_search.robot_reach import Reach, RobotMargins
+from push_planner.straight.map_search.reachable_set import ReachableSet, RobotMargins
 from push_planner.straight.map_search.scene import Scene
 from push_primitives.cost_to_go import CostGrid
 
-# Numbers of a node: pose of the object, cost [s], place of the robot, length of the last push.
+# Values of a node: pose of the object, cost [s], position of the robot, length of the last push.
 X, Y, THETA, COST, ROBOT_X, ROBOT_Y, LENGTH = range(7)
 NODE_SIZE = 7
 # Links of a node: face that was pushed last, node before, push in between, whether that ends at
@@ -25,7 +25,7 @@ LINK_SIZE = 5
 CELL, CELL_NODE = range(2)
 SLOT_SIZE = 2
 # Counters of a search.
-NODES, QUEUED, EXPANDED, REACH_FILLED, NEAREST = range(5)
+NODES, QUEUED, EXPANDED, REACHABLE_FILLED, NEAREST = range(5)
 COUNTER_SIZE = 5
 # Of a node: length of a push from it that ends at the goal [m], the miss of that over the
 # tolerances, and the clearance of the object [m].
@@ -144,7 +144,7 @@ class Memory(NamedTuple):
     :param keys: of the queue, shape (2 n,).
     :param items: of the queue, shape (2 n,).
     :param slots: hash table of lattice cells, shape (k, ``SLOT_SIZE``), k a power of two.
-    :param reach: ``Reach``.
+    :param reachable: ``ReachableSet``.
     :param pose: of the object that is being looked at, shape (3,).
     :param final: of the push that is, shape (``FINAL_SIZE``,).
     :param counters: shape (``COUNTER_SIZE``,).
@@ -155,7 +155,7 @@ class Memory(NamedTuple):
     keys: FloatArray
     items: IntArray
     slots: IntArray
-    reach: Reach
+    reachable: ReachableSet
     pose: FloatArray
     final: FloatArray
     counters: IntArray

@@ -26,7 +26,7 @@ HOLDING_WEIGHT = 0.95
 
 
 # Places on the first axis of the effects of pushes: the first push of a chain, by a robot whose
-# place is as uncertain as it is now, and later ones, by a robot that is localized.
+# position is as uncertain as it is now, and later ones, by a robot that is localized.
 FIRST, LATER = range(2)
 
 

@@ -20,7 +20,7 @@ NO_POINTS = np.zeros((0, 2))
 
 class Floor(NamedTuple):
     """
-    Obstacles; places are in the frame of the map.
+    Obstacles; positions are in the frame of the map.
 
     :param distances: clearances of cell centres, with a border of one cell, shape (r, c) [m].
     :param cells_per_metre: of the map [1/m].

@@ -15,8 +15,8 @@ from push_planner.straight.map_search.problem import (
     CLOSED, COST, COUNTER_SIZE, EXPANDED, FACE, FINAL_SIZE, Guide, Lattice, LENGTH, LINK_SIZE,
     Memory, NEAREST, NODE_SIZE, NODES, PARENT, Problem, PUSH, Query, SearchSettings, SLOT_SIZE)
 from push_planner.straight.map_search.pushes import FIRST, Pushes
-from push_planner.straight.map_search.robot_reach import (
-    HALF_WINDOW, Reach, RobotMargins, SPACING, WIDE_WINDOW)
+from push_planner.straight.map_search.reachable_set import (
+    HALF_WINDOW, ReachableSet, RobotMargins, SPACING, WIDE_WINDOW)
 from push_planner.straight.map_search.scene import object_clearance, Scene
 from push_planner.straight.map_search.successors import ENOUGH, LOST_GAP, MIN_GAP, START_RANGE
 from push_primitives.cost_to_go import CostToGo
@@ -60,7 +60,7 @@ class Margins(NamedTuple):
     :param robot: clearance of the robot from obstacles [m].
     :param robot_to_object: clearance of the robot from the object between pushes [m].
     :param uncertainty: ``PositionUncertainty`` of the robot on its way to the first push.
-    :param sigmas: standard deviations of its place by which it keeps clear of obstacles there.
+    :param sigmas: standard deviations of its position by which it keeps clear of obstacles there.
     :param max_expansions: of the search.
     :param is_wide: whether the robot may go round through other rooms.
     :param lattice: ``Lattice`` in which it searches.
@@ -101,7 +101,7 @@ class SearchResult(NamedTuple):
 
     :param end: ``SearchEnd``.
     :param pushes: ``SearchPush`` to the goal, or to where the floor is open up to it; those to the
-        place from which least remained, where none was found.
+        position from which least remained, where none was found.
     :param cost: expected time of the pushes and of what remains after them [s].
     :param least_cost: that no chain of the lattice goes below [s].
     :param expansions: number of nodes that were expanded.
@@ -162,7 +162,7 @@ class MapSearch:
         first_half = min(MAX_HALF, max(half, math.ceil(
             (away + WINDOW_MARGINS[margins.is_wide]) / SPACING)))
         side = 2 * first_half + 1
-        memory = self._memory._replace(reach=Reach(
+        memory = self._memory._replace(reachable=ReachableSet(
             np.empty((side, side)), np.empty((side, side, 2)),
             np.empty(QUEUE_SIZE, dtype=np.int64)))
         memory.slots.fill(-1)
@@ -245,7 +245,7 @@ def _closing_time(cost_to_go: CostToGo, settings: SearchSettings) -> float:
 
 
 def _memory() -> Memory:
-    nothing = Reach(np.empty((1, 1)), np.empty((1, 1, 2)), np.empty(1, dtype=np.int64))
+    nothing = ReachableSet(np.empty((1, 1)), np.empty((1, 1, 2)), np.empty(1, dtype=np.int64))
     return Memory(
         np.empty((MAX_NODES, NODE_SIZE)),
         np.empty((MAX_NODES, LINK_SIZE), dtype=np.int64),

@@ -15,10 +15,12 @@ from push_planner.straight.map_search.object_distance import UNREACHED
 from push_planner.straight.map_search.priority_queue import push
 from push_planner.straight.map_search.problem import (
     CELL, CELL_NODE, CLOSED, COST, FACE, FINAL, GAP, LENGTH, LENGTH_TO_GOAL, MISS, NODES, PARENT,
-    PUSH, QUEUED, REACH_FILLED, ROBOT_X, ROBOT_Y, THETA, X, Y,
+    PUSH, QUEUED, REACHABLE_FILLED, ROBOT_X, ROBOT_Y, THETA, X, Y,
 )
 from push_planner.straight.map_search.pushes import FIRST, LATER
-from push_planner.straight.map_search.robot_reach import fill_reach, needed_gap, path_length
+from push_planner.straight.map_search.reachable_set import (
+    fill_reachable_set, needed_gap, path_length,
+)
 from push_planner.straight.map_search.scene import clearance, object_clearance
 
 # Distance from the start along either axis within which the object may keep the clearance that it
@@ -34,7 +36,7 @@ MISS_COST = 0.4
 # Time that the standard deviation of a last push costs [s/m], as what it misses has to be
 # corrected; chosen: 1 cm counts as a fifth of a contact.
 STD_COST = 100.0
-# Time charged for a place that may be a dead end [s]; chosen: several pushes.
+# Time charged for a position that may be a dead end [s]; chosen: several pushes.
 DEAD_END_COST = 20.0
 # Gap to which the robot backs off after a push [m].
 RETREAT = 0.06
@@ -60,7 +62,7 @@ def expand(problem: Any, memory: Any, parent: int) -> None:
     """
     node, query, pushes = memory.nodes[parent], problem.query, problem.pushes
     stage = _stage(parent)
-    memory.counters[REACH_FILLED] = 0
+    memory.counters[REACHABLE_FILLED] = 0
     d_x, d_y = query.goal.x - node[X], query.goal.y - node[Y]
     is_near = d_x * d_x + d_y * d_y < FINAL_RANGE * FINAL_RANGE
     memory.final[LENGTH_TO_GOAL] = 0.0
@@ -145,10 +147,11 @@ def _travel(problem: Any, memory: Any, parent: int, option: int) -> float:
     if clearance(scene.floor, x, y) < scene.robot_radius + needed_gap(margins, straight):
         return UNREACHED
     half = query.first_half if parent == 0 else query.half
-    if counters[REACH_FILLED] == 0:
-        fill_reach(scene, margins, node, (node[ROBOT_X], node[ROBOT_Y]), half, memory.reach)
-        counters[REACH_FILLED] = 1
-    return path_length(memory.reach, node, half, x, y)
+    if counters[REACHABLE_FILLED] == 0:
+        fill_reachable_set(scene, margins, node, (node[ROBOT_X], node[ROBOT_Y]), half,
+                           memory.reachable)
+        counters[REACHABLE_FILLED] = 1
+    return path_length(memory.reachable, node, half, x, y)
 
 
 @compiled
@@ -170,7 +173,7 @@ def _add_pushes(problem: Any, memory: Any, parent: int, option: int, travel: flo
                     cost + final_length / query.settings.pushing_speed + correction)
         if length < FIRST_SWEEP:
             continue
-        _place(pushes.means[stage, option, step], node, memory.pose)
+        _write_pose(pushes.means[stage, option, step], node, memory.pose)
         if not _is_free(problem, memory, parent, option, step):
             return
         if (is_dense or pushes.coarse[option]) and pushes.is_end[step]:
@@ -179,7 +182,7 @@ def _add_pushes(problem: Any, memory: Any, parent: int, option: int, travel: flo
 
 
 @compiled
-def _place(mean: Any, node: Any, pose: Any) -> None:
+def _write_pose(mean: Any, node: Any, pose: Any) -> None:
     """Write the pose of the object after a mean displacement."""
     c, s = math.cos(node[THETA]), math.sin(node[THETA])
     pose[0] = node[X] + c * mean[0] - s * mean[1]
@@ -199,13 +202,13 @@ def _is_free(problem: Any, memory: Any, parent: int, option: int, step: int) -> 
     margin = min(margin, query.goal_margin + MARGIN_SLOPE * math.sqrt(d_x * d_x + d_y * d_y))
     if object_clearance(scene, pose[0], pose[1], pose[2], margin) < margin:
         return False
-    x, y = _robot_place(pushes.starts[option], memory.nodes[parent], length)
+    x, y = _robot_position(pushes.starts[option], memory.nodes[parent], length)
     return clearance(scene.floor, x, y) >= scene.robot_radius + problem.margins.obstacles
 
 
 @compiled
-def _robot_place(start: Any, node: Any, length: float) -> tuple[float, float]:
-    """Find the place of the robot on the line of a push."""
+def _robot_position(start: Any, node: Any, length: float) -> tuple[float, float]:
+    """Find the position of the robot on the line of a push."""
     u = start[0] + length * math.cos(start[2])
     v = start[1] + length * math.sin(start[2])
     c, s = math.cos(node[THETA]), math.sin(node[THETA])
@@ -246,7 +249,7 @@ def _append(problem: Any, memory: Any, parent: int, option: int, length: float,
     node, link = memory.nodes[added], memory.links[added]
     node[X], node[Y], node[THETA], node[COST], node[LENGTH] = (
         pose[0], pose[1], pose[2], cost, length)
-    node[ROBOT_X], node[ROBOT_Y] = _robot_place(start, memory.nodes[parent], length - RETREAT)
+    node[ROBOT_X], node[ROBOT_Y] = _robot_position(start, memory.nodes[parent], length - RETREAT)
     link[FACE], link[PARENT], link[PUSH], link[FINAL], link[CLOSED] = face, parent, option, 1, 0
     counters[NODES] = added + 1
     counters[QUEUED] = push(memory.keys, memory.items, counters[QUEUED],

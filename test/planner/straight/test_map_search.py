@@ -15,11 +15,11 @@ from push_navigation.path import sample_path
 from push_navigation.settings import DriveSettings
 from push_planner.problem import PlanningFailed
 from push_planner.settings import PlannerSettings
-from push_planner.straight.map_search.object_distance import distance_grid, narrowest_place
+from push_planner.straight.map_search.object_distance import distance_grid, narrowest_passage
 from push_planner.straight.map_search.planner import MIN_FRACTION, plan_push_in_map
 from push_planner.straight.map_search.priority_queue import push, remove_first
-from push_planner.straight.map_search.robot_reach import (
-    fill_reach, HALF_WINDOW, path_length, Reach, RobotMargins, SPACING, UNREACHED)
+from push_planner.straight.map_search.reachable_set import (
+    fill_reachable_set, HALF_WINDOW, path_length, ReachableSet, RobotMargins, SPACING, UNREACHED)
 from push_planner.straight.map_search.scene import (
     distance_to_object, Floor, make_scene, object_clearance)
 from push_planner.straight.planner import plan_straight_push
@@ -190,17 +190,17 @@ def test_the_robot_reaches_what_is_connected():
     gaps = occupancy_map.clearance_in_map_frame(*points.T)
     free = (away >= 0.2 + 1e-6) & (gaps >= 0.22 + 1e-6)
     labels, _ = label(free.reshape(side, side), structure=np.ones((3, 3)))
-    reach = Reach(np.empty((side, side)), np.empty((side, side, 2)),
-                  np.empty(1 << 14, dtype=np.int64))
+    reachable = ReachableSet(np.empty((side, side)), np.empty((side, side, 2)),
+                             np.empty(1 << 14, dtype=np.int64))
     start = int(np.flatnonzero(free)[0])
-    fill_reach(scene, margins, pose, points[start], HALF_WINDOW, reach)
+    fill_reachable_set(scene, margins, pose, points[start], HALF_WINDOW, reachable)
     connected = labels == labels.ravel()[start]
     assert 0.1 < connected[labels > 0].mean() < 0.9
-    assert (reach.lengths[connected] < UNREACHED).all()
-    assert (reach.lengths[(labels > 0) & ~connected] >= UNREACHED).all()
+    assert (reachable.lengths[connected] < UNREACHED).all()
+    assert (reachable.lengths[(labels > 0) & ~connected] >= UNREACHED).all()
     there = points[np.flatnonzero(connected.ravel())[-1]]
     straight = math.dist(there, points[start])
-    assert straight <= path_length(reach, pose, HALF_WINDOW, *there) + SPACING
+    assert straight <= path_length(reachable, pose, HALF_WINDOW, *there) + SPACING
 
 
 def test_a_hallway_is_driven_until_the_drift_fills_it():
@@ -211,10 +211,11 @@ def test_a_hallway_is_driven_until_the_drift_fills_it():
     pose, drift = np.array([3.0, 5.5, 0.0]), 0.06
     half = 56
     side = 2 * half + 1
-    reach = Reach(np.empty((side, side)), np.empty((side, side, 2)),
-                  np.empty(1 << 14, dtype=np.int64))
-    fill_reach(scene, RobotMargins(0.0, 0.0, drift=drift), pose, (0.3, 3.0), half, reach)
-    row = reach.lengths[half - 50]
+    reachable = ReachableSet(np.empty((side, side)), np.empty((side, side, 2)),
+                             np.empty(1 << 14, dtype=np.int64))
+    margins = RobotMargins(0.0, 0.0, drift=drift)
+    fill_reachable_set(scene, margins, pose, (0.3, 3.0), half, reachable)
+    row = reachable.lengths[half - 50]
     farthest = row[row < UNREACHED].max()
     assert math.isclose(farthest, math.sqrt(2.0 * (0.6 - 0.17) / drift), rel_tol=0.05)
 
@@ -253,8 +254,9 @@ def test_lengths_of_paths_are_those_of_the_grid():
     assert grid.lengths[free].max() < 1.09 * straight[free].max() + 0.1
     beyond = reached & (x > 3.2)
     assert grid.lengths[beyond].min() > np.hypot(3.2 - 1.0, 5.4 - 1.0)
-    place = narrowest_place(floor, (5.0, 1.0), (1.0, 1.0))
-    assert 2.8 < place.x < 3.2 and place.y > 5.4 and place.width == pytest.approx(0.55, abs=0.05)
+    passage = narrowest_passage(floor, (5.0, 1.0), (1.0, 1.0))
+    assert 2.8 < passage.x < 3.2 and passage.y > 5.4
+    assert passage.width == pytest.approx(0.55, abs=0.05)
 
 
 def test_items_leave_the_queue_in_order():

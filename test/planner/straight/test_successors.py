@@ -15,7 +15,7 @@ from push_planner.straight.map_search.object_distance import distance_grid
 from push_planner.straight.map_search.problem import (
     COST, LENGTH, NODES, PARENT, PUSH, SearchSettings)
 from push_planner.straight.map_search.pushes import FIRST, make_pushes
-from push_planner.straight.map_search.robot_reach import SPACING
+from push_planner.straight.map_search.reachable_set import SPACING
 from push_planner.straight.map_search.scene import make_scene
 from push_planner.straight.map_search.search import COARSE, FINE, MapSearch, Margins, SearchEnd
 from push_planner.straight.map_search.successors import expand

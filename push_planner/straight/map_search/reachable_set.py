@@ -1,9 +1,9 @@
 """
 Where the robot gets between two pushes, and how far that is: paths on a grid round the object.
 
-The grid lies about the object and is filled breadth first from the robot's place. A grid point is
-free where the robot keeps its margins from obstacles and object; a robot that has less at its
-place may go where it does not get less.
+The grid lies about the object and is filled breadth first from the robot. A grid point is
+free where the robot keeps its margins from obstacles and object; a robot that has less where
+it is may go where it does not get less.
 """
 
 import math
@@ -23,14 +23,14 @@ UNREACHED = 1e9
 DIAGONAL = math.sqrt(2.0)
 # Rounding of the lengths of paths [m].
 ROUNDING = 1e-6
-# Places on half of the line along which the robot may have been displaced; chosen: see
+# Points on half of the line along which the robot may have been displaced; chosen: see
 # ``map_clearance``.
 AXIS_STEPS = 3
 
 
-class Reach(NamedTuple):
+class ReachableSet(NamedTuple):
     """
-    Memory for the paths from one place of the robot.
+    Memory for the paths from one position of the robot.
 
     :param lengths: of the paths to grid points, shape (n, n), n odd and at least as much as the
         window needs [m]; the middle is at the object.
@@ -50,7 +50,7 @@ class RobotMargins(NamedTuple):
 
     :param obstacles: from obstacles of the map [m].
     :param object: from the object [m].
-    :param position: what it keeps from obstacles at least as its place is uncertain [m].
+    :param position: what it keeps from obstacles at least as its position is uncertain [m].
     :param slope: growth of that per distance from where it starts [m/m]; all add as squares.
     :param drift: displacement for each lever of the path behind it, as of ``map_clearance`` [1/m].
     """
@@ -63,30 +63,30 @@ class RobotMargins(NamedTuple):
 
 
 @compiled
-def fill_reach(scene: Any, margins: Any, pose: Any, place: Any, half: int,
-               reach: Any) -> None:
+def fill_reachable_set(scene: Any, margins: Any, pose: Any, position: Any, half: int,
+                       reachable: Any) -> None:
     """
-    Write the lengths of the robot's paths from a place.
+    Write the lengths of the robot's paths from a position.
 
     :param scene: ``Scene``.
     :param margins: ``RobotMargins``.
     :param pose: (x, y, theta) of the object in the frame of the map.
-    :param place: (x, y) of the robot there.
+    :param position: (x, y) of the robot there.
     :param half: half the side of the window [spacings].
-    :param reach: ``Reach``, is written.
+    :param reachable: ``ReachableSet``, is written.
     """
     side = 2 * half + 1
-    lengths, queue = reach.lengths, reach.queue
+    lengths, queue = reachable.lengths, reachable.queue
     for i in range(side):
         for j in range(side):
             lengths[i, j] = UNREACHED
-    row = int(math.floor((place[1] - pose[1]) / SPACING + 0.5)) + half
-    column = int(math.floor((place[0] - pose[0]) / SPACING + 0.5)) + half
+    row = int(math.floor((position[1] - pose[1]) / SPACING + 0.5)) + half
+    column = int(math.floor((position[0] - pose[0]) / SPACING + 0.5)) + half
     if row < 0 or column < 0 or row >= side or column >= side:
         return
     lengths[row, column] = 0.0
     queue[0] = row * side + column
-    reach.moments[row, column, 0] = reach.moments[row, column, 1] = 0.0
+    reachable.moments[row, column, 0] = reachable.moments[row, column, 1] = 0.0
     first, last = 0, 1
     size = queue.shape[0]
     origin = row, column, half
@@ -99,22 +99,22 @@ def fill_reach(scene: Any, margins: Any, pose: Any, place: Any, half: int,
                 step = SPACING if a == i or b == j else DIAGONAL * SPACING
                 length = lengths[i, j] + step
                 if (lengths[a, b] > length + ROUNDING and last - first < size
-                        and _may_step(scene, margins, pose, reach, (i, j, a, b), origin)):
+                        and _may_step(scene, margins, pose, reachable, (i, j, a, b), origin)):
                     lengths[a, b] = length
                     queue[last % size] = a * side + b
                     last += 1
 
 
 @compiled
-def path_length(reach: Any, pose: Any, half: int, x: float, y: float) -> float:
+def path_length(reachable: Any, pose: Any, half: int, x: float, y: float) -> float:
     """
-    Find the length of the robot's path to a place: the least of the grid points about it.
+    Find the length of the robot's path to a point: the least of the grid points about it.
 
-    :param reach: ``Reach``, filled.
+    :param reachable: ``ReachableSet``, filled.
     :param pose: (x, y, theta) of the object in the frame of the map.
     :param half: half the side of the window [spacings].
-    :param x: of the place [m].
-    :param y: of the place [m].
+    :param x: of the point [m].
+    :param y: of the point [m].
     :return: length [m], ``UNREACHED`` where there is no path.
     """
     side = 2 * half + 1
@@ -123,7 +123,7 @@ def path_length(reach: Any, pose: Any, half: int, x: float, y: float) -> float:
     least = UNREACHED
     for i in range(max(0, i0), min(side, i0 + 2)):
         for j in range(max(0, j0), min(side, j0 + 2)):
-            least = min(least, reach.lengths[i, j])
+            least = min(least, reachable.lengths[i, j])
     return least
 
 
@@ -141,22 +141,22 @@ def needed_gap(margins: Any, away: float) -> float:
 
 
 @compiled
-def _may_step(scene: Any, margins: Any, pose: Any, reach: Any, step: tuple[int, int, int, int],
-              origin: tuple[int, int, int]) -> bool:
+def _may_step(scene: Any, margins: Any, pose: Any, reachable: Any,
+              step: tuple[int, int, int, int], origin: tuple[int, int, int]) -> bool:
     """
     Tell whether the robot may go from one grid point to the next.
 
     :param scene: ``Scene``.
     :param margins: ``RobotMargins``.
     :param pose: (x, y, theta) of the object.
-    :param reach: ``Reach``, of which the moment at the end of the step is written.
+    :param reachable: ``ReachableSet``, of which the moment at the end of the step is written.
     :param step: from a row and column of the grid to others.
     :param origin: row and column in which the path starts, and those of the object.
     """
-    if not _may_drift(scene, margins, pose, reach, step, origin):
+    if not _may_drift(scene, margins, pose, reachable, step, origin):
         return False
     i, j, a, b = step
-    if reach.lengths[a, b] < UNREACHED:
+    if reachable.lengths[a, b] < UNREACHED:
         return True
     row, column, half = origin
     away = SPACING * math.sqrt(float((a - row) * (a - row) + (b - column) * (b - column)))
@@ -165,15 +165,15 @@ def _may_step(scene: Any, margins: Any, pose: Any, reach: Any, step: tuple[int, 
 
 
 @compiled
-def _may_drift(scene: Any, margins: Any, pose: Any, reach: Any, step: tuple[int, int, int, int],
-               origin: tuple[int, int, int]) -> bool:
+def _may_drift(scene: Any, margins: Any, pose: Any, reachable: Any,
+               step: tuple[int, int, int, int], origin: tuple[int, int, int]) -> bool:
     """
     Tell whether the robot is clear wherever the drift of its heading displaces it in a step.
 
     :param scene: ``Scene``.
     :param margins: ``RobotMargins``.
     :param pose: (x, y, theta) of the object.
-    :param reach: ``Reach``, of which the moment at the end of the step is written.
+    :param reachable: ``ReachableSet``, of which the moment at the end of the step is written.
     :param step: from a row and column of the grid to others.
     :param origin: row and column in which the path starts, and those of the object.
     """
@@ -183,10 +183,10 @@ def _may_drift(scene: Any, margins: Any, pose: Any, reach: Any, step: tuple[int,
     row, column, half = origin
     length = SPACING if a == i or b == j else DIAGONAL * SPACING
     middle = 0.5 * length * SPACING
-    moments = reach.moments
+    moments = reachable.moments
     m_x = moments[i, j, 0] + middle * (b + j - 2 * column)
     m_y = moments[i, j, 1] + middle * (a + i - 2 * row)
-    length += reach.lengths[i, j]
+    length += reachable.lengths[i, j]
     away_x, away_y = SPACING * (b - column), SPACING * (a - row)
     axis = margins.drift * (m_y - length * away_y), margins.drift * (length * away_x - m_x)
     rising = margins.slope * math.sqrt(away_x * away_x + away_y * away_y)
