@@ -8,7 +8,8 @@ has come ahead by
 
 while the wheels drove s. An object that was seen to move along e, and then does so by far less
 than the wheels turn, is too heavy, or blocked. A tracker of another object shows A = 0, one that
-is mirrored A < 0.
+is mirrored A < 0. In the mean of some poses that is so even where a pose that was far off seemed
+to show motion.
 """
 
 from collections import deque
@@ -34,6 +35,9 @@ MIN_CREEP = 0.003
 CREEP_SIGMAS = 1.5
 CREEP_POSES = 10
 MAX_CREEP_RATIO = 0.1
+# Mean distance of the wheels from which on an object that advances by less than that ratio of it
+# does not move [m]; chosen: beyond what a push is driven until the object is missed.
+WITHOUT_EFFECT_DISTANCE = 0.2
 
 
 class SpinWatch:
@@ -110,12 +114,24 @@ class SpinWatch:
     @property
     def is_creeping(self) -> bool:
         """Whether an object that was not seen to move has, along the push, by millimetres."""
-        rows = self._rows[-CREEP_POSES:]
-        if len(rows) < CREEP_POSES:
-            return False
-        driven, advance = np.mean(rows, axis=0).tolist()
+        driven, advance = self._mean_row
         return (max(MIN_CREEP, CREEP_SIGMAS * self._deviation) <= advance
                 < MAX_CREEP_RATIO * driven)
+
+    @property
+    def is_without_effect(self) -> bool:
+        """Whether the object has hardly moved along the push, however far the wheels have."""
+        driven, advance = self._mean_row
+        return driven >= WITHOUT_EFFECT_DISTANCE and abs(advance) < MAX_CREEP_RATIO * driven
+
+    @property
+    def _mean_row(self) -> tuple[float, float]:
+        """Mean of (distance of the wheels, advance of the object) over the last poses [m]."""
+        rows = self._rows[-CREEP_POSES:]
+        if len(rows) < CREEP_POSES:
+            return 0.0, 0.0
+        driven, advance = np.mean(rows, axis=0).tolist()
+        return driven, advance
 
 
 def _advance(before: Pose, after: Pose, contact: Coordinates, direction: float) -> float:

@@ -23,6 +23,8 @@ class BehaviorFailure(Cause):
     LOST_ROBOT_TOUCHES = 'the robot, which was lost, touches the object'
     WHEELS_SPIN = ('the wheels turn, the object hardly moves: it is too heavy for this robot, or '
                    'blocked')
+    OBJECT_UNYIELDING = ('the wheels turn, the object does not move at all: it is too heavy for '
+                         'this robot or blocked, or the object poses are of another object')
 
     # During a steered push.
     OFF_PLANNED_PATH = 'the object deviates by {distance:.2f} m from its planned path'

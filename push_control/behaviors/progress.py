@@ -177,6 +177,11 @@ class ProgressMonitor:
         self._spins += 1
         return self._spins >= MAX_SPINS
 
+    @property
+    def has_spun(self) -> bool:
+        """Whether the wheels have spun at a push since the object last came nearer."""
+        return self._spins > 0
+
     def forget_safety_stops(self) -> None:
         """Count stops from zero again: somebody has looked after the robot."""
         self._safety_stops = 0

@@ -97,6 +97,7 @@ class PushProgress:
     :param has_touched_early: whether the object has moved before the robot should touch it.
     :param is_spinning: whether the object moves far less than the wheels turn.
     :param is_creeping: whether an object that was not seen to move has by millimetres.
+    :param is_without_effect: whether it has hardly moved, whatever a pose has shown.
     :param is_near_obstacle: whether an obstacle of the map ends the push.
     :param is_blind: whether the object is not seen, as was to be expected.
     :param was_blind: whether that was so at any time since the touch.
@@ -126,6 +127,7 @@ class PushProgress:
     has_touched_early: bool = False
     is_spinning: bool = False
     is_creeping: bool = False
+    is_without_effect: bool = False
     is_near_obstacle: bool = False
     is_blind: bool = False
     was_blind: bool = False
@@ -173,7 +175,9 @@ def decide(progress: PushProgress) -> Steer | Stop | Miss:
         return progress.course
     if progress.is_spinning:
         return Miss(BehaviorFailure.WHEELS_SPIN)
-    if not progress.has_moved and progress.pushed - progress.unseen_distance > miss_distance:
+    seen_distance = progress.pushed - progress.unseen_distance
+    is_still = progress.is_without_effect or not progress.has_moved
+    if is_still and seen_distance > miss_distance:
         return Miss(BehaviorFailure.WHEELS_SPIN if progress.is_creeping
                     else BehaviorFailure.OBJECT_NOT_MOVED)
     if progress.course.remaining <= progress.braking_distance and not progress.is_lost:

@@ -208,7 +208,8 @@ class StraightPush(Behavior[TaskPerception]):
                 progress, is_near_obstacle=self._is_near_obstacle(dt),
                 is_spinning=watch.is_spinning,
                 is_creeping=(watch.is_creeping
-                             and not perception.localization.has_pose_bias))
+                             and not perception.localization.has_pose_bias),
+                is_without_effect=watch.is_without_effect)
         return progress
 
     def _with_motion(self, progress: PushProgress, perception: TaskPerception,

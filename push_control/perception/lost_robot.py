@@ -46,6 +46,10 @@ WITHOUT_EFFECT_STD = 0.05, 0.1
 # Least standard deviations (x, y, heading) of a robot whose slip is inferred [m, m, rad]; chosen:
 # few hypotheses remain then.
 MIN_SLIP_STD = 0.03, 0.03, 0.1
+# Standard deviation of the robot's position after a push without effect up to which the object is
+# one that does not yield [m]; chosen: that of a miss, and of a robot that is known so well that it
+# does not miss the object by as much as a push is driven on.
+KNOWN_STD = 0.06
 # Time for which a displacement of the object explains that it is elsewhere [s]; chosen: a plan is
 # made meanwhile.
 DISPLACED_TIME = 2.0
@@ -86,6 +90,12 @@ class LostRobotMonitor:
         self._is_odometry_drifting = is_odometry_drifting
         self._contacts = ContactConsistency()
         self._unexplained_moves = 0
+        # Whether no contact has ever moved the object, and nothing said that the robot is
+        # elsewhere; whether object poses have jumped in this task; and whether the last push was
+        # without effect although the robot is well known.
+        self._is_undisturbed = True
+        self._have_poses_jumped = False
+        self._is_surely_without_effect = False
         # The path since contacts last fitted, and when they did.
         self._slip_search = SlipSearch(obj, robot)
         self._fitted_at = -math.inf
@@ -104,6 +114,12 @@ class LostRobotMonitor:
     def is_refuted(self) -> bool:
         """Whether contacts have shown that robot and object are not where they seem to be."""
         return self._contacts.is_refuting
+
+    @property
+    def is_object_unyielding(self) -> bool:
+        """Whether a robot of which nothing says that it is elsewhere has pushed, to no effect."""
+        return (self._is_undisturbed and not self._have_poses_jumped
+                and self._is_surely_without_effect)
 
     def was_displaced(self, time: float) -> bool:
         """
@@ -148,6 +164,7 @@ class LostRobotMonitor:
     @observe.register
     def _on_task_started(self, _: TaskStarted) -> None:
         self._contacts.clear()
+        self._have_poses_jumped = False
 
     @observe.register
     def _on_robot_localized(self, _: RobotLocalized) -> None:
@@ -161,6 +178,7 @@ class LostRobotMonitor:
 
     @observe.register
     def _on_odometry_fault(self, event: OdometryFault) -> Verdict:
+        self._is_undisturbed = False
         stds = JUMP_STD if event.has_jumped else FAULT_STD
         # Once: however many messages are wrong, the robot stands soon.
         return InflateRobot(stds) if self._estimate.position_deviation < stds[0] else None
@@ -177,6 +195,7 @@ class LostRobotMonitor:
         displacement = self._displacements.update(event.measured, self._memory)
         if displacement is Displacement.NONE:
             return None
+        self._have_poses_jumped = True
         self._displaced_at = event.measured.time
         memory = self._displacements.memory
         if displacement is Displacement.DISPLACED or memory is None:
@@ -235,6 +254,7 @@ class LostRobotMonitor:
         """
         if self.was_displaced(event.time):
             return None
+        self._is_undisturbed = False
         self._unexplained_moves += 1
         has_moved = distance(event.before, event.after) > 0.0
         if self._unexplained_moves < UNEXPLAINED_MOVES or not has_moved:
@@ -243,7 +263,10 @@ class LostRobotMonitor:
                 or PlaceRobot(self._pose_behind(event.before, event.after), BEHIND_OBJECT_STD))
 
     def _add_contact(self, contact: Touch) -> None:
-        self._contacts.add(contact, self._estimate.position_deviation)
+        deviation = self._estimate.position_deviation
+        self._contacts.add(contact, deviation)
+        self._is_undisturbed &= contact is Touch.WITHOUT_EFFECT
+        self._is_surely_without_effect = deviation <= KNOWN_STD
 
     def _infer_slip(self, object_pose: Pose, is_touching: bool) -> PlaceRobot | None:
         """Place the robot where slip of its wheels explains all events; None if it does not."""

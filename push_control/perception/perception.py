@@ -396,6 +396,11 @@ class TaskPerception(RawPerception):
         return self._monitor.is_refuted
 
     @property
+    def is_object_unyielding(self) -> bool:
+        """Whether a robot of which nothing says that it is elsewhere has pushed, to no effect."""
+        return self._monitor.is_object_unyielding
+
+    @property
     def is_lost(self) -> bool:
         """Whether pushes without effect have shown that the robot is elsewhere."""
         return self._monitor.is_lost

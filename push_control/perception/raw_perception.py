@@ -184,6 +184,11 @@ class RawPerception:
         return False
 
     @property
+    def is_object_unyielding(self) -> bool:
+        """Whether a push to no effect has shown that the object does not yield."""
+        return False
+
+    @property
     def pose_inconsistency(self) -> Report[PerceptionEvent] | None:
         """What contacts show of object poses, or of the robot; None where all fits."""
         return None

@@ -36,6 +36,8 @@ from push_navigation.settings import DriveSettings
 # Time after the end of a steered push from which on the object may be at rest [s]; chosen: longer
 # than the latency of its poses (0.08 s in the scenarios), and than it slides on.
 SETTLING_TIME = 0.3
+# What shows that the robot is too weak for the object.
+SPINNING = BehaviorFailure.WHEELS_SPIN, BehaviorFailure.OBJECT_UNYIELDING
 
 
 class _Answer(NamedTuple):
@@ -294,11 +296,14 @@ class TaskExecution:
 
     def _end_after_failure(self, failure: FailureReport) -> None:
         """Go on after a failure, unless it has shown that the object is too heavy."""
-        if failure.code is BehaviorFailure.OBJECT_NOT_MOVED and self._force_warning:
-            # By what is stated, the robot touches it and is too weak, rather than elsewhere.
-            failure = BehaviorFailure.WHEELS_SPIN.report()
-        has_spun = failure.code is BehaviorFailure.WHEELS_SPIN
-        if has_spun and self._progress.count_spin():
+        if failure.code is BehaviorFailure.OBJECT_NOT_MOVED:
+            # The robot touches it and is too weak, rather than elsewhere: by what is stated, or
+            # has shown before.
+            if self._force_warning or self._progress.has_spun:
+                failure = BehaviorFailure.WHEELS_SPIN.report()
+            elif self._perception.is_object_unyielding:
+                failure = BehaviorFailure.OBJECT_UNYIELDING.report()
+        if failure.code in SPINNING and self._progress.count_spin():
             self._abort(TaskFailure.TOO_HEAVY, TaskEvent.ABORTED.report(reason=failure))
         else:
             self._recover(failure)

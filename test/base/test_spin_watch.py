@@ -16,13 +16,13 @@ PERIOD, SPEED = 0.02, 0.15
 
 def watched(object_pose, seconds=3.0, noise=0.002, latency=0.08, seed=0):
     """
-    Return whether wheels were found spinning, or the object creeping, at any time.
+    Return whether wheels spun, the object crept, or the push was without effect, at any time.
 
     :param object_pose: function of what the wheels have driven [m], in a frame where the robot
         pushes along x at the origin.
     """
     rng, watch = np.random.default_rng(seed), SpinWatch(object_pose(0.0))
-    spun = crept = False
+    spun = crept = effectless = False
     for k in range(round(seconds / PERIOD)):
         time = PERIOD * k
         watch.add_distance(time, SPEED * time)
@@ -33,15 +33,16 @@ def watched(object_pose, seconds=3.0, noise=0.002, latency=0.08, seed=0):
                 ObjectPose(time - latency, Pose(x + e_x, y + e_y, theta + e_theta)),
                 (x - 0.2, y), 0.0, noise)
         spun, crept = spun or watch.is_spinning, crept or watch.is_creeping
-    return spun, crept
+        effectless = effectless or watch.is_without_effect
+    return spun, crept, effectless
 
 
 @pytest.mark.parametrize('seed', range(10))
 @pytest.mark.parametrize('ratio', [0.0, 0.15, 0.6, 0.9, 1.0])
 def test_an_object_that_stops_while_the_wheels_turn_is_found(seed, ratio):
     """It moves for 5 cm, then by a part of what the wheels turn: below 0.3 that is spinning."""
-    spun, _ = watched(lambda s: Pose(min(s, 0.05) + ratio * max(0.0, s - 0.05), 0.0, 0.0),
-                      seed=seed)
+    spun, *_ = watched(lambda s: Pose(min(s, 0.05) + ratio * max(0.0, s - 0.05), 0.0, 0.0),
+                       seed=seed)
     assert spun == (ratio < 0.3)
 
 
@@ -54,7 +55,7 @@ def test_a_long_arc_is_no_spinning(seed):
         return Pose(radius * math.sin(s / radius), radius * (1.0 - math.cos(s / radius)),
                     0.5 * s / radius)
 
-    assert watched(along_arc, seed=seed) == (False, False)
+    assert watched(along_arc, seed=seed) == (False, False, False)
 
 
 @pytest.mark.parametrize('seed', range(10))
@@ -63,13 +64,23 @@ def test_a_long_arc_is_no_spinning(seed):
                          ids=['another object', 'mirrored', 'other axes'])
 def test_a_fault_of_the_tracker_is_no_spinning(seed, pose):
     """The object does not move along the push at any time."""
-    assert watched(pose, seed=seed) == (False, False)
+    spun, crept, _ = watched(pose, seed=seed)
+    assert not (spun or crept)
+
+
+@pytest.mark.parametrize('seed', range(10))
+@pytest.mark.parametrize('ratio', [0.0, 0.02, 0.3, 0.6, 1.0])
+def test_a_push_without_effect_is_found_however_the_object_seemed_to_move(seed, ratio):
+    """One pose that is 3 cm off is no motion of an object that does not yield."""
+    _, _, effectless = watched(
+        lambda s: Pose(ratio * s + (0.03 if 0.2 < s < 0.21 else 0.0), 0.0, 0.0), seed=seed)
+    assert effectless == (ratio < 0.1)
 
 
 @pytest.mark.parametrize('seed', range(10))
 def test_an_object_that_creeps_by_millimetres_is_found(seed):
     """It never moves far enough to be seen in one pose."""
-    _, crept = watched(lambda s: Pose(min(0.005, 0.05 * s), 0.0, 0.0), seed=seed)
+    _, crept, _ = watched(lambda s: Pose(min(0.005, 0.05 * s), 0.0, 0.0), seed=seed)
     assert crept
 
 

@@ -45,6 +45,10 @@ def test_a_push_under_way_goes_on_as_chosen(progress):
     (TAP, {'pushed': BEYOND, 'unseen_distance': 0.01}, COURSE),
     (TAP, {'pushed': BEYOND, 'deviation': 2.0 * DEVIATION}, COURSE),
     (PUSH, {'pushed': BEYOND}, COURSE),
+    (PUSH, {'pushed': BEYOND, 'is_without_effect': True}, Miss(BehaviorFailure.OBJECT_NOT_MOVED)),
+    (PUSH, {'pushed': BEYOND, 'is_without_effect': True, 'is_creeping': True},
+     Miss(BehaviorFailure.WHEELS_SPIN)),
+    (PUSH, {'pushed': BEYOND - 2e-6, 'is_without_effect': True}, COURSE),
     (RUN_IN, {'has_touched_early': True}, Miss(BehaviorFailure.TOUCHED_EARLY))])
 def test_what_ends_a_push(progress, values, expected):
     """A good progress with one value that is not."""

@@ -10,7 +10,7 @@ from push_control.events import PerceptionEvent
 from push_control.perception.contact_consistency import MAX_CONTRADICTIONS, Touch
 from push_control.perception.ensemble.ensemble_state import RobotMemory
 from push_control.perception.lost_robot import (
-    BEHIND_OBJECT_STD, DISPLACED_TIME, FAULT_STD, JUMP_STD, LostRobotMonitor,
+    BEHIND_OBJECT_STD, DISPLACED_TIME, FAULT_STD, JUMP_STD, KNOWN_STD, LostRobotMonitor,
     MAX_PUSHES_WITHOUT_EFFECT, RESTORED_STD, WITHOUT_EFFECT_STD,
 )
 from push_control.perception.lost_robot_events import (
@@ -85,6 +85,40 @@ def test_an_object_that_moves_ends_the_count_of_pushes_without_effect(
     assert lost.is_lost and lost.inconsistency is not None
     assert lost.observe(event) is None
     assert not lost.is_lost and lost.inconsistency is None
+
+
+@pytest.mark.parametrize('deviation, is_known', [(KNOWN_STD - 1e-6, True), (UNCERTAIN, False)])
+def test_an_object_does_not_yield_where_a_well_known_robot_pushes_without_effect(
+        deviation: float, is_known: bool) -> None:
+    """One that is not so well known may have missed it."""
+    lost = monitor(Estimate(position_deviation=deviation))
+    assert not lost.is_object_unyielding
+    lost.observe(EFFECTLESS)
+    assert lost.is_object_unyielding == is_known
+
+
+@pytest.mark.parametrize('event', [
+    PushSucceeded(Touch.PUSHED, 1.0), ObjectTapped(), UnexpectedContact(HOME), moved(0.05),
+    LostRobotTouched(HOME), OdometryFault(True)])
+def test_what_once_moved_or_may_have_been_missed_is_not_unyielding(event) -> None:
+    """Nor in the next task: the object is another one, blocked, or elsewhere."""
+    lost = monitor()
+    lost.observe(event)
+    lost.observe(TaskStarted())
+    lost.observe(EFFECTLESS)
+    assert not lost.is_object_unyielding
+
+
+def test_object_poses_that_jump_make_no_object_unyielding() -> None:
+    """They are of another one from then on; the next task rests on those that it starts with."""
+    lost = monitor()
+    lost.observe(ObjectPoseAccepted(ObjectPose(0.0, HOME)))
+    lost.observe(ObjectPoseAccepted(ObjectPose(0.1, Pose(0.6, 0.0, 0.0))))
+    lost.observe(EFFECTLESS)
+    assert not lost.is_object_unyielding
+    lost.observe(TaskStarted())
+    lost.observe(EFFECTLESS)
+    assert lost.is_object_unyielding
 
 
 def test_contacts_that_never_fit_refute_the_estimate() -> None:
