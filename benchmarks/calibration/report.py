@@ -3,6 +3,7 @@
 import argparse
 from collections.abc import Sequence
 from pathlib import Path
+import tempfile
 from typing import NamedTuple
 
 from benchmarks.calibration.bases import calibrate, draw_base, errors_of, TOLERANCES
@@ -113,6 +114,31 @@ def measure_touches(count: int) -> dict[str, Errors]:
     return {name: Errors([result[name] for result in results]) for name in results[0]}
 
 
+def measure_over_dds(count: int) -> str:
+    """
+    Calibrate bases by the command, and do a task with each file.
+
+    :param count: of bases.
+    :return: the table.
+    """
+    # Needs ROS.
+    from benchmarks.calibration.over_dds import calibrate_over_dds, Calibrated
+    from push_scenario.simulation.result import Outcome
+    results: list[Calibrated] = []
+    for seed in range(count):
+        with tempfile.TemporaryDirectory() as folder:
+            result = calibrate_over_dds(draw_base(seed), seed, Path(folder))
+        results.append(result)
+        print(seed, ' '.join(f'{name} {error:+.4f}' for name, error in result.errors.items()),
+              f'{result.outcome.value} after {result.duration:.0f} s', result.reason, flush=True)
+    rows = [row(name, Errors([result.errors[name] for result in results])).removesuffix('  |')
+            for name in results[0].errors]
+    times = [result.duration for result in results if result.outcome is Outcome.DONE]
+    spent = f'{np.median(times):.0f}, {max(times):.0f} s' if times else '-'
+    return '\n'.join(['| what | right | median, largest |', '| --- | --- | --- |', *rows,
+                      f'| task with the file | {len(times)} of {count} done | {spent} |'])
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """
     Calibrate, print the table, and write the page.
@@ -125,7 +151,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument('--bases', type=int, default=BASES, help=f'how many (default: {BASES})')
     parser.add_argument('--out', type=Path, metavar='DIR', help='folder of the page, such as '
                         'docs/robots; without it nothing is written')
+    parser.add_argument('--over-dds', type=int, default=0, metavar='COUNT', help='instead run the '
+                        'command against so many of the bases over DDS, and a task with each file')
     options = parser.parse_args(arguments)
+    if options.over_dds:
+        print(measure_over_dds(options.over_dds))
+        return 0
     errors = {**measure_bases(options.bases), **measure_touches(options.bases)}
     table = '\n'.join(['| what | right | median, largest error | covered by its interval |',
                        '| --- | --- | --- | --- |',
