@@ -202,7 +202,7 @@ def wrong_rows(formulation: Formulation, iterate: Iterate, whole: WholeProgram,
     memory.tuning[:] = barrier, 0.0
     memory.evaluate()
     memory.dual[:] = memory.dual
-    rows, measures = memory._rows.copy(), memory._judgement()
+    rows, measures = memory._rows.copy(), memory._evaluation()
     memory._find_step()
     memory.take_step()
     x = iterate.primal[:whole.dimensions.variable_count]
