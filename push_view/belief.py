@@ -1,22 +1,25 @@
-"""What the robot believes while it pushes, as further columns beside those of the tape."""
+"""What the robot sees and believes while it pushes, as columns beside those of the tape."""
 
 import math
 
-import numpy as np
 from push_control.perception.perception import TaskPerception
 from push_control.task.supervisor import Supervisor
 from push_model.parameters import PushedObject
+from push_model.signals import PoseCovariance
 from push_sim_node.simulation import Simulation
 
 # Columns behind those of the tape; one friction coefficient per support follows. The centre of
-# friction has standard deviations along the axes of its ellipse, and the angle of the first.
+# friction and the place of the object have standard deviations along the axes of their ellipses,
+# and the angle of the first: in the frame of the object, and in that of the world.
 BELIEF_COLUMNS = (
+    # 1 where the camera sees the object, and where there is no camera; else 0.
+    'object_seen',
+    'believed_object_deviation_major', 'believed_object_deviation_minor',
+    'believed_object_deviation_angle', 'believed_object_heading_deviation',
     'believed_object_x', 'believed_object_y', 'believed_object_theta',
     'believed_robot_x', 'believed_robot_y', 'believed_robot_theta',
     'believed_center_x', 'believed_center_y', 'believed_center_deviation_major',
     'believed_center_deviation_minor', 'believed_center_angle', 'believed_contact_friction')
-# Number of columns of poses, which change all the time.
-POSES = 6
 # Rows for which friction as identified is kept, as it costs more; chosen: ten times a second at
 # 50 Hz.
 FRICTION_STRIDE = 5
@@ -29,18 +32,34 @@ def belief_columns(obj: PushedObject) -> tuple[str, ...]:
 
 def believed_poses(supervisor: Supervisor) -> tuple[float, ...]:
     """
-    Look up where object and robot are believed to be.
+    Look up where object and robot are believed to be, and how well that of the object is known.
 
-    :return: (x, y, theta) of the object, then of the robot [m, m, rad]; nan before the first
-        measurements.
+    :return: the columns of the deviations of the object, (x, y, theta) of it, then of the robot
+        [m, m, rad]; nan before the first measurements.
     """
     unknown = (math.nan,) * 3
     status, estimate = supervisor.status, supervisor.object_estimate
     if not isinstance(supervisor.perception, TaskPerception):
-        return (*status.push.object_pose, *status.push.robot_pose)
+        return (*_deviations(None), *status.push.object_pose, *status.push.robot_pose)
     robot_pose = status.robot_pose
-    return (*(unknown if estimate is None else estimate.pose),
+    return (*_deviations(None if estimate is None else estimate.covariance),
+            *(unknown if estimate is None else estimate.pose),
             *(unknown if robot_pose is None else robot_pose))
+
+
+def _deviations(covariance: PoseCovariance | None) -> tuple[float, float, float, float]:
+    """Return those of the object along the axes of its ellipse, the angle, and of its heading."""
+    if covariance is None:
+        return math.nan, math.nan, math.nan, math.nan
+    return (*_ellipse(covariance.x_x, covariance.x_y, covariance.y_y),
+            math.sqrt(max(0.0, covariance.theta_theta)))
+
+
+def _ellipse(x_x: float, x_y: float, y_y: float) -> tuple[float, float, float]:
+    """Return the standard deviations along the axes, the greater first, and the angle of that."""
+    mean, half = 0.5 * (x_x + y_y), math.hypot(0.5 * (x_x - y_y), x_y)
+    return (math.sqrt(max(0.0, mean + half)), math.sqrt(max(0.0, mean - half)),
+            0.5 * math.atan2(2.0 * x_y, x_x - y_y))
 
 
 def believed_friction(supervisor: Supervisor, count: int) -> tuple[float, ...]:
@@ -56,12 +75,9 @@ def believed_friction(supervisor: Supervisor, count: int) -> tuple[float, ...]:
     if perception.object_estimate is None:
         return (math.nan,) * (count + 6)
     localization = perception.localization
-    xx, xy, yy = localization.friction_center_covariance
-    variances, axes = np.linalg.eigh(np.array([[xx, xy], [xy, yy]]))
-    minor, major = np.sqrt(np.maximum(variances, 0.0)).tolist()
-    angle = math.atan2(axes[1, 1], axes[0, 1])
     obj = localization.obj
-    return (*localization.knowledge.friction_center, major, minor, angle,
+    return (*localization.knowledge.friction_center,
+            *_ellipse(*localization.friction_center_covariance),
             obj.contact_friction_coefficient,
             *(support.friction_coefficient for support in obj.supports))
 
@@ -78,9 +94,10 @@ class BeliefSampler:
         self._friction: tuple[float, ...] = ()
         self._friction_row = -FRICTION_STRIDE
 
-    def sample(self, row: int, supervisor: Supervisor) -> tuple[float, ...]:
+    def sample(self, row: int, simulation: Simulation,
+               supervisor: Supervisor) -> tuple[float, ...]:
         """
-        Look up what is believed now.
+        Look up what is seen and believed now.
 
         :param row: number of the row of the tape; one that is lower than before is of another run.
         :return: numbers in the order of ``belief_columns``.
@@ -88,7 +105,7 @@ class BeliefSampler:
         if not self._friction_row <= row < self._friction_row + FRICTION_STRIDE:
             self._friction_row = row
             self._friction = believed_friction(supervisor, self._count)
-        return believed_poses(supervisor) + self._friction
+        return (float(simulation.is_object_seen), *believed_poses(supervisor), *self._friction)
 
 
 class BeliefRecorder:
@@ -107,7 +124,7 @@ class BeliefRecorder:
         """Take down what is believed after the last measurement."""
         row = len(simulation.rows) - 1
         if row not in self._rows:
-            self._rows[row] = self._sampler.sample(row, supervisor)
+            self._rows[row] = self._sampler.sample(row, simulation, supervisor)
 
     def row(self, number: int) -> tuple[float, ...]:
         """

@@ -24,6 +24,7 @@ from push_navigation.path import Path
 from push_planner.task_plan import TaskPlan
 from push_scenario.definition.floor_map import FREE, OCCUPIED
 from push_scenario.definition.scenario import GoalBounds, Scenario
+from push_sim_node.camera import CameraSettings
 from push_view.wall_contact import WallContact
 
 Message = dict[str, Any]
@@ -64,7 +65,9 @@ def scenario_message(scenario: Scenario, law: str, columns: Sequence[str]) -> Me
     """
     return scene_message(scenario.name.replace('_', ' '), scenario.object, scenario.robot,
                          columns, description=scenario.description, law=law,
-                         bounds=scenario.bounds) | {'true_base': _base_values(scenario.true_robot)}
+                         bounds=scenario.bounds) | {
+                             'true_base': _base_values(scenario.true_robot),
+                             'camera': camera_values(scenario.sensors.camera)}
 
 
 def object_values(obj: PushedObject) -> Message:
@@ -80,6 +83,20 @@ def object_values(obj: PushedObject) -> Message:
 def robot_values(robot: RoundRobot) -> Message:
     """Describe a robot, with what is stated of its base."""
     return {'radius': robot.radius, 'drive': robot.drive, **_base_values(robot)}
+
+
+def camera_values(camera: CameraSettings) -> Message | None:
+    """
+    Describe where a camera is and what it sees.
+
+    :return: ``place``, ``mount`` (in the frame of the robot if it is on that, else the world),
+        ``half_angle`` [rad], ``nearest`` and ``farthest`` [m]; None where there is no camera.
+    """
+    if camera.place == 'none':
+        return None
+    return {'place': camera.place, 'mount': rounded(camera.mount),
+            'half_angle': camera.half_angle, 'nearest': camera.nearest,
+            'farthest': camera.farthest}
 
 
 def base_message(time: float, base: BaseKnowledge) -> Message:

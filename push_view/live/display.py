@@ -40,8 +40,8 @@ class RunDisplay:
     def take_rows(self) -> None:
         """Move new rows of the tape, with what is believed at them, and show events."""
         for row in self._simulation.rows:
-            self._rows.append(
-                (*row, *self._belief.sample(self._row_count, self._robot.supervisor)))
+            self._rows.append((*row, *self._belief.sample(
+                self._row_count, self._simulation, self._robot.supervisor)))
             self._row_count += 1
             self.time = row[0]
         # A session may last for hours.

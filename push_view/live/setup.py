@@ -14,6 +14,8 @@ from push_model.files.parameter_files import (
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject
 from push_scenario.definition.bases import base_names, FOLDER, with_base
+from push_scenario.definition.expected_poses import with_sensors
+from push_scenario.definition.loader import read_sensors
 from push_scenario.definition.placement import Placement
 from push_scenario.definition.scenario import Scenario
 from push_scenario.definition.task import Task
@@ -37,12 +39,14 @@ class Setup:
 
     :param scenario: the ``Scenario``.
     :param task: its ``Task``.
-    :param choices: names of ``object``, ``robot``, ``base`` and ``law``.
+    :param choices: names of ``object``, ``robot``, ``base``, ``sensors`` and ``law``.
+    :param origin: the ``Scenario`` that it started from.
     """
 
     scenario: Scenario
     task: Task
     choices: Mapping[str, str]
+    origin: Scenario
 
     @classmethod
     def of(cls, scenario: Scenario) -> Setup:
@@ -57,13 +61,15 @@ class Setup:
             'object': _name_of(scenario.object, 'objects', read_object),
             'robot': _name_of(scenario.robot, 'robots', read_robot),
             'base': _base_name(scenario),
-            'law': scenario.control.control_law})
+            'sensors': _sensors_name(scenario),
+            'law': scenario.control.control_law}, scenario)
 
     def with_choices(self, choices: Mapping[str, str]) -> Setup:
         """
         Put something else in it; its true parameters are the nominal ones at first.
 
-        Another robot has the base that was chosen before.
+        Another robot has the base and the sensors that were chosen before. The controller is
+        informed of sensors, but of no base.
 
         :param choices: names to names, some of those of ``choices``.
         :raises CommandRefused: where there is no such thing.
@@ -75,6 +81,8 @@ class Setup:
             setup = setup._with_choice(name, value)
         if 'robot' in choices or 'base' in choices:
             setup = setup._with_base(chosen['base'])
+        if 'robot' in choices or 'sensors' in choices:
+            setup = setup._informed_of(chosen['sensors'])
         return dataclasses.replace(setup, choices=chosen)
 
     def with_true_object(self, obj: PushedObject) -> Setup:
@@ -92,7 +100,8 @@ class Setup:
     def controls(self) -> Message:
         """Describe what can be chosen and changed, with its present values."""
         options = {'object': _names('objects'), 'robot': _names('robots'),
-                   'base': (GOOD_BASE, *base_names()), 'law': TASK_LAWS}
+                   'base': (GOOD_BASE, *base_names()), 'sensors': _names('sensors'),
+                   'law': TASK_LAWS}
         choices = [{'name': name, 'value': value,
                     'options': list(dict.fromkeys((value, *options[name])))}
                    for name, value in self.choices.items()]
@@ -112,12 +121,30 @@ class Setup:
             return self._with_scenario(robot=robot)
         if name == 'base':
             return self
+        if name == 'sensors':
+            return self.with_sensors(self._sensors(value))
         if name == 'law' and value in TASK_LAWS:
             return self._with_scenario(control=dataclasses.replace(
                 self.scenario.control, control_law=value))
         raise CommandRefused(
             f'choose.{name[:60]}: got {value[:60]!r}, expected an object, a robot, a '
-            f'base or a law ({", ".join(TASK_LAWS)})')
+            f'base, sensors or a law ({", ".join(TASK_LAWS)})')
+
+    def _sensors(self, name: str) -> SensorSettings:
+        """Read sensors; those of the scenario have no file."""
+        if name == OF_SCENARIO:
+            return self.origin.sensors
+        return read_sensors(_known('sensors', name))
+
+    def _informed_of(self, sensors: str) -> Setup:
+        """Let the controller know which poses sensors give, and nothing of those before."""
+        origin, law = self.origin, self.scenario.control.control_law
+        if sensors != OF_SCENARIO:
+            origin = with_sensors(dataclasses.replace(origin, robot=self.scenario.robot),
+                                  self._sensors(sensors))
+        control = dataclasses.replace(origin.control, control_law=law)
+        return dataclasses.replace(self._with_scenario(control=control, task=origin.task),
+                                   task=origin.task or self.task)
 
     def _with_base(self, name: str) -> Setup:
         """Put another base below the robot; robot and sensors are not informed."""
@@ -136,6 +163,12 @@ def _base_name(scenario: Scenario) -> str:
                  if with_base(scenario, named_file(FOLDER, name)) == scenario), OF_SCENARIO)
 
 
+def _sensors_name(scenario: Scenario) -> str:
+    """Find out which sensors of the package a scenario has, of which its controller knows."""
+    return next((name for name in _names('sensors') if with_sensors(
+        scenario, read_sensors(named_file('sensors', name))) == scenario), OF_SCENARIO)
+
+
 def _known(folder: str, value: str) -> Any:
     if value not in _names(folder):
         raise CommandRefused(f'choose: got {value[:60]!r}, expected one of {folder}: '
@@ -144,7 +177,7 @@ def _known(folder: str, value: str) -> Any:
 
 
 def _names(folder: str) -> list[str]:
-    """List the files of objects or robots of the package."""
+    """List the files of objects, robots or sensors of the package."""
     return sorted(files_by_name(share_directory() / 'config' / folder))
 
 

@@ -1,7 +1,7 @@
 'use strict';
 // What part of the floor the canvas shows, and in which colours.
 
-const COLORS = ['paper', 'ink', 'faint', 'grid', 'object', 'goal', 'robot', 'believed', 'force', 'cone',
+const COLORS = ['paper', 'ink', 'faint', 'grid', 'object', 'goal', 'robot', 'believed', 'force', 'cone', 'view',
                 'wall', 'plan', 'accent', 'push-0', 'push-1', 'push-2', 'push-3', 'push-4', 'push-5'];
 
 // What a live page shows round the first goal at least [m].
@@ -64,6 +64,7 @@ class Camera {
     for (const point of recording.paths.object) add(point[0], point[1], extent);
     for (const point of recording.paths.robot) add(point[0], point[1], scene.robot.radius);
     for (const goal of recording.goals) add(goal.pose[0], goal.pose[1], extent);
+    if (scene.camera && scene.camera.place === 'room') add(...scene.camera.mount.slice(0, 2), 0.2);
     const map = recording.latest('map', Infinity);
     if (map && map.rows.length && !recording.isLive && map.rows.length * map.resolution < 8) {
       for (const corner of [[0, 0], [1, 0], [0, 1], [1, 1]]) {

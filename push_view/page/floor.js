@@ -81,11 +81,16 @@ class Floor extends Pen {
     const values = recording.at(time), scene = recording.scene, colors = this.colors;
     const truth = recording.latest('truth', time);
     const object = poseOf(values, 'object'), robot = poseOf(values, 'robot');
-    this.drawObject(object, { fill: colors.object, stroke: colors.object, width: 2.5, alpha: 0.16 });
+    const isObjectSeen = isSeen(values), camera = scene.camera && cameraPose(scene.camera, robot);
+    if (camera) drawView(this, scene.camera, camera, isObjectSeen);
+    // What nobody sees is an outline.
+    this.drawObject(object, isObjectSeen ? { fill: colors.object, stroke: colors.object, width: 2.5, alpha: 0.16 }
+      : { stroke: colors.object, width: 1.5, dash: [2, 4] });
     this.drawSupports(scene, truth, object);
     if (this.showsHandles && this.tool === 'object') this.drawHandle(object, colors.object);
     this.drawRobot(robot, scene.robot.radius,
                    { fill: colors.robot, stroke: colors.ink, width: 2, alpha: 0.75 });
+    if (camera) drawCameraSign(this, camera);
     this.drawBelief(values, scene, object);
     if (truth) this.drawCenter(transform(object, truth.friction_center));
     this.drawContact(values, truth || scene.object, scene.object.mass);
@@ -105,7 +110,7 @@ class Floor extends Pen {
   drawBelief(values, scene, object) {
     const colors = this.colors, style = { stroke: colors.believed, width: 1.6, dash: [9, 3, 2, 3] };
     const believed = poseOf(values, 'believed_object'), robot = poseOf(values, 'believed_robot');
-    if (believed.every(Number.isFinite)) this.drawObject(believed, style);
+    if (believed.every(Number.isFinite)) this.drawBelievedObject(values, scene, believed, style);
     if (robot.every(Number.isFinite)) this.drawRobot(robot, scene.robot.radius, style);
     let center = [values('believed_center_x'), values('believed_center_y')];
     if (!center.every(Number.isFinite)) center = scene.object.friction_center;
@@ -122,11 +127,25 @@ class Floor extends Pen {
     c.stroke();
     const [major, minor] = [values('believed_center_deviation_major'), values('believed_center_deviation_minor')];
     if (!(major > 0)) return;
-    c.beginPath();
-    c.ellipse(x, y, 2 * major * this.camera.scale, 2 * minor * this.camera.scale,
-              -(object[2] + values('believed_center_angle')), 0, 2 * Math.PI);
-    c.lineWidth = 1.5;
-    c.stroke();
+    drawEllipse(this, point, major, minor, object[2] + values('believed_center_angle'),
+                { stroke: colors.believed, width: 1.5 });
+  }
+
+  // With a camera also how well it is known: an ellipse, and the outline rotated by two standard deviations to either
+  // side. While nothing is seen it is what the robot goes by, and filled.
+  drawBelievedObject(values, scene, pose, style) {
+    const isObjectSeen = isSeen(values), { colors } = this;
+    this.drawObject(pose, isObjectSeen ? style : { ...style, fill: colors.believed, width: 2.5, alpha: 0.2 });
+    const major = values('believed_object_deviation_major'), heading = values('believed_object_heading_deviation');
+    if (!scene.camera || !(major > 0)) return;
+    if (!isObjectSeen) {
+      for (const side of [-2, 2]) {
+        const rotated = [pose[0], pose[1], pose[2] + side * heading];
+        this.shape(this.outline.map((vertex) => transform(rotated, vertex)), { stroke: colors.believed, width: 1, dash: [2, 3] });
+      }
+    }
+    drawEllipse(this, pose, major, values('believed_object_deviation_minor'), values('believed_object_deviation_angle'),
+                { fill: colors.believed, alpha: 0.3, stroke: colors.believed, width: 1.5 });
   }
 
   // The true centre of friction: a cross.

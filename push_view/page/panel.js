@@ -38,6 +38,8 @@ const LEGEND = [
   ['friction cone', '<path d="M3 9 27 2v14z" fill="var(--cone)" fill-opacity=".15" stroke="var(--cone)" stroke-dasharray="5 2 1 2"/>'],
   ['true centre of friction', '<path d="m10 4 10 10m0-10L10 14" stroke="var(--object)" stroke-width="3"/>'],
   ['believed centre of friction, 2 σ', '<path d="M15 3v12M9 9h12" stroke="var(--believed)" stroke-width="2.5"/><ellipse cx="15" cy="9" rx="13" ry="8" fill="none" stroke="var(--believed)"/>'],
+  ['what the camera sees; dashed: not the object', '<path d="M3 9 27 2v14z" fill="var(--view)" fill-opacity=".15" stroke="var(--view)"/>'],
+  ['object unseen: true, believed, 2 σ', '<rect x="2" y="3" width="14" height="12" fill="none" stroke="var(--object)" stroke-dasharray="2 3"/><rect x="12" y="3" width="14" height="12" fill="var(--believed)" fill-opacity=".2" stroke="var(--believed)" stroke-dasharray="7 2 2 2"/><ellipse cx="19" cy="9" rx="5" ry="3" fill="var(--believed)" fill-opacity=".4" stroke="var(--believed)"/>'],
   ['a wall was touched', '<circle cx="15" cy="9" r="7" fill="var(--paper)" stroke="var(--force)" stroke-width="2.5"/><path d="m12 6 6 6m0-6-6 6" stroke="var(--force)" stroke-width="2"/>'],
   ['friction of a foot: true, nominal', '<circle cx="9" cy="9" r="5" fill="var(--object)" fill-opacity=".5"/><circle cx="22" cy="9" r="5" fill="none" stroke="var(--faint)" stroke-dasharray="3 2"/>'],
 ];
@@ -142,6 +144,9 @@ class Panel {
     if (recording.has('believed_object_x')) {
       this.setValue('believed minus true object', number(
         Math.hypot(values('believed_object_x') - values('object_x'), values('believed_object_y') - values('object_y')), 1e3, 1, 'mm'));
+      this.setValue('known to (standard deviation)', `${number(values('believed_object_deviation_major'), 1e3, 1, 'mm')}, ${
+        number(values('believed_object_heading_deviation'), 1 / DEGREE, 1, '°')}`);
+      this.setValue('object seen', isSeen(values) ? 'yes' : 'no');
     }
     const truth = recording.latest('truth', time), center = recording.scene.object.friction_center;
     if (truth) {

@@ -2,6 +2,8 @@
 // A run as its messages describe it: columns of numbers over time, and what held from when on.
 
 const KINDS = ['state', 'goal', 'plan', 'map', 'truth', 'base', 'displacement', 'collision', 'ending'];
+// Columns that change in steps.
+const STEPS = ['mode', 'object_seen'];
 const ANGLES = /(_theta|_angle|^normal)$/;
 // Rows that a page keeps: an hour at 25 Hz; then the older half goes.
 const MOST_ROWS = 90000;
@@ -97,7 +99,7 @@ class Recording {
       const column = this.columns[name];
       if (!column) return NaN;
       const value = column[row], change = column[next] - value;
-      if (name === 'mode' || !(ratio > 0) || Number.isNaN(change)) return value;
+      if (STEPS.includes(name) || !(ratio > 0) || Number.isNaN(change)) return value;
       return value + ratio * (ANGLES.test(name) ? wrapAngle(change) : change);
     };
   }

@@ -110,3 +110,35 @@ def test_settings_reach_the_simulation(browser):
     browser.wait('document.getElementById("base").tBodies[0].rows[0].innerText'
                  '.replace(/\\s+/g, " ") === "dead time [s] 0.20 0.00 0.00"')
     assert browser.errors() == []
+
+
+@pytest.mark.parametrize('sensors, place', [('own_camera', 'robot'), ('room_camera', 'room')])
+def test_the_floor_that_a_camera_sees_is_drawn(browser, sensors, place):
+    """Within its angle and distances, and nowhere else: on the robot, or from the room."""
+    browser.run('const s = document.querySelector("select[name=sensors]"); s.value = arguments[0];'
+                's.dispatchEvent(new Event("change"))', sensors)
+    browser.wait(f'app.recording.scene.camera && app.recording.scene.camera.place === "{place}"'
+                 ' && app.recording.end > 0.1')
+    assert browser.errors() == []
+    colors = """
+        const r = app.recording, camera = r.scene.camera, f = app.floor, c = app.camera;
+        const pose = cameraPose(camera, poseOf(r.at(r.end), 'robot'));
+        c.center = pose.slice(0, 2); c.scale = 100;
+        const points = [[0.9, 0.4], [0.9, 1.5], [1.1, 1.5], [-0.9, 1.5], [-1.1, 1.5]].map(
+          ([part, length]) => c.toScreen(transform(pose, [
+            length * Math.cos(part * camera.half_angle),
+            length * Math.sin(part * camera.half_angle)])));
+        const near = c.toScreen(transform(pose, [0.9 * camera.nearest, 0]));
+        const read = () => { f.draw(r, r.end, null); return [...points, near].map(([x, y]) =>
+          [...f.context.getImageData(c.ratio * x, c.ratio * y, 1, 1).data].join()); };
+        const drawn = read();
+        r.scene.camera = null;
+        const plain = read();
+        r.scene.camera = camera;
+        return drawn.map((color, i) => color !== plain[i]);"""
+    is_tinted = browser.run(colors)
+    # That a script reads pixels, as no page does, is complained of.
+    browser.errors()
+    assert is_tinted[:5] == [True, True, False, True, False]
+    # Nearer than the nearest distance nothing is seen; the camera in the room has none.
+    assert is_tinted[5] is (place == 'room')

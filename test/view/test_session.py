@@ -6,7 +6,9 @@ import math
 
 import numpy as np
 from push_control.task.status import TaskState
-from push_scenario.definition.loader import load_scenario
+from push_model.files.parameter_files import named_file
+from push_scenario.definition.expected_poses import with_sensors
+from push_scenario.definition.loader import load_scenario, read_sensors
 from push_view.live.session import Session
 from push_view.live.setup import Setup
 from push_view.live.walls import open_floor, with_wall
@@ -228,6 +230,64 @@ def test_what_is_learned_of_a_base_is_shown(session):
     assert (first['time'], first['dead_time'], first['min_speed']) == (0.0, 0.0, 0.0)
     assert last['dead_time'] == pytest.approx(0.3, abs=0.06)
     assert last['pulse'] > 0.0
+
+
+def sensors_of(name):
+    """Read sensors of the package."""
+    return read_sensors(named_file('sensors', name))
+
+
+def test_other_sensors_are_made_known_to_the_controller(session):
+    """As ``replay --sensors`` does, whatever was chosen before; the law stays."""
+    before = session._setup.scenario
+    session.handle(command('choose', sensors='own_camera'))
+    assert session._setup.scenario == with_sensors(before, sensors_of('own_camera'))
+    assert session._setup.task == session._setup.scenario.task
+    camera = messages(session, 'scene')[-1]['camera']
+    assert (camera['place'], camera['nearest']) == ('robot', 0.25)
+    assert camera['mount'] == [0.1, 0.0, 0.0]
+    assert camera['half_angle'] == pytest.approx(math.radians(34.5))
+    session.handle(command('choose', law='mpc', robot='create3'))
+    supervision = session._setup.task.supervision
+    assert supervision.view_nearest == pytest.approx(
+        0.35 - session._setup.scenario.robot.radius, abs=1e-9)
+    session.handle(command('choose', law=before.control.control_law, robot='disc_017',
+                           sensors='mocap'))
+    assert session._setup.scenario == with_sensors(before, sensors_of('mocap'))
+    assert messages(session, 'scene')[-1]['camera'] is None
+    session.handle(command('choose', sensors='as in the scenario'))
+    assert session._setup.scenario == before
+
+
+@pytest.mark.parametrize('name', ['own_camera', 'mocap'])
+def test_sensors_have_the_name_of_their_file(name):
+    """Where the controller knows of them; those of a scenario may differ from every file."""
+    scenario = load_scenario('task_own_camera')
+    assert Setup.of(scenario).choices['sensors'] == 'as in the scenario'
+    known = with_sensors(scenario, sensors_of(name))
+    assert Setup.of(known).choices['sensors'] == name
+    assert Setup.of(dataclasses.replace(known, control=dataclasses.replace(
+        known.control, pose_timeout=0.9))).choices['sensors'] == 'as in the scenario'
+
+
+@pytest.mark.slow
+def test_what_the_robot_does_not_see_it_estimates():
+    """The page is told what is seen, and where the robot then takes the object to be."""
+    session = Session(Setup.of(load_scenario('task_own_camera')), MessageLog())
+    advance_until_standing(session)
+    seen, deviation = column(session, 'object_seen'), column(
+        session, 'believed_object_deviation_major')
+    assert set(seen) == {0.0, 1.0} and seen[0] == 0.0
+    # Behind the robot at first: nothing is known of the object before it is seen.
+    first = int(seen.argmax())
+    assert np.isnan(deviation[:first]).all() and np.isfinite(deviation[first + 20:]).all()
+    d_x, d_y = (column(session, f'believed_object_{axis}') - column(session, f'object_{axis}')
+                for axis in 'xy')
+    error = np.hypot(d_x, d_y)[first + 20:]
+    seen, deviation = seen[first + 20:], deviation[first + 20:]
+    blind = seen == 0.0
+    assert blind.any() and deviation[blind].max() > 2.0 * np.median(deviation[~blind])
+    assert (error < 3.0 * deviation).mean() > 0.95
 
 
 def test_a_single_push_is_no_session():
