@@ -36,7 +36,7 @@ HAS_MAP = 'has_map'
 FAILURE = 'failure'
 # Units of the values by the last part of their names; all others are counts, words or ratios.
 UNITS = {
-    **dict.fromkeys(('time', 'since', 'duration'), 's'),
+    **dict.fromkeys(('time', 'since', 'duration', 'stamp_lag'), 's'),
     **dict.fromkeys(('position_error', 'position_deviation', 'remaining_distance',
                      'travelled_distance', 'path_length', 'friction_center', 'final_straight',
                      'displacement_bound', 'longest_blend'), 'm'),

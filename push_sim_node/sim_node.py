@@ -21,7 +21,7 @@ from push_ros.parameters import DYNAMIC
 from push_ros.topics import SIM
 from push_sim_node.ros.lockstep import MeasurementExchange
 from push_sim_node.ros.outputs import PublishedMeasurement, SimOutputs
-from push_sim_node.ros.pacing import Pacer, SpeedMeter, SUSPENSION
+from push_sim_node.ros.pacing import Pacer, SpeedMeter, StampLag
 from push_sim_node.ros.run_control import QUIET_TIME, RunAction, RunControl, RunState
 from push_sim_node.sensors import SensorSettings
 from push_sim_node.settings import SimulationSettings
@@ -36,6 +36,9 @@ STATE_PERIOD = 0.05
 # Wall time that a command has after its measurement before the next is computed [s], chosen: the
 # controller answers in a few milliseconds. It shrinks where time is to run faster than the wall.
 COMMAND_GRACE = 0.005
+# Speed of robot and object below which nothing moves [m/s, rad/s]; chosen: 0.02 mm within the time
+# by which stamps are moved on at once.
+REST_SPEED = 1e-3
 
 
 class _InFlight(NamedTuple):
@@ -139,6 +142,7 @@ class SimNode(PushNode):
                                    QUIET_TIME if self._options.lockstep else 0.0)
         self._pacer = Pacer(self._options.time_scale, time.monotonic())
         self._speed_meter = SpeedMeter(time.monotonic())
+        self._stamp_lag = StampLag()
         self._wake_time = 0.0
         self._report(OK, 'holds time')
 
@@ -168,6 +172,7 @@ class SimNode(PushNode):
             self._outputs.restart_time()
             self._pacer = Pacer(self._options.time_scale, now)
             self._speed_meter = SpeedMeter(now)
+            self._stamp_lag = StampLag()
             self._report(OK, 'runs')
             self._publish_next(now)
         elif action is RunAction.CONTINUE and self._options.lockstep:
@@ -195,12 +200,24 @@ class SimNode(PushNode):
             next_clock = self._outputs.next_clock_time(self._pacer.time(now))
             self._wake_time = min(due, self._pacer.due(next_clock))
             return
-        delay = self._pacer.reached(self._simulation.time, now)
-        if delay > SUSPENSION:
-            self._outputs.skip_time(delay)
+        self._keep_stamps(self._pacer.reached(self._simulation.time, now))
         self._publish(self._computed, now)
         self._watch_controller()
         self._watch_speed(now)
+
+    def _keep_stamps(self, delay: float) -> None:
+        """Let stamps of the wall clock catch up with it, where they can."""
+        if not self._options.owns_time:
+            # Looked at only where there is something to catch up with.
+            is_at_rest = delay + self._stamp_lag.time > 0.0 and self._is_at_rest
+            self._outputs.skip_time(self._stamp_lag.update(delay, is_at_rest=is_at_rest))
+
+    @property
+    def _is_at_rest(self) -> bool:
+        """Whether nothing moves, and nothing is to."""
+        truth = self._simulation.truth
+        return self._moving_since is None and max(
+            map(abs, (*truth.object_twist, *truth.robot_twist))) < REST_SPEED
 
     def _watch_controller(self) -> None:
         """Say that commands have ceased while the robot moved; an idle controller stops it."""
@@ -216,11 +233,19 @@ class SimNode(PushNode):
             return
         if self._speed_meter.is_slow and not was_slow:
             self._report(WARN, f'time runs {self._speed_meter.speed:.2g} times as fast as on the '
-                         f'wall, time_scale asks for {self._pacer.scale:g}')
+                         f'wall, time_scale asks for {self._pacer.scale:g}' + self._lag_text)
         elif was_slow and not self._speed_meter.is_slow:
             self._report(OK, 'runs')
         else:
             self._report(self._level, self._text)
+
+    @property
+    def _lag_text(self) -> str:
+        """What a slow simulator does to stamps; empty where they are simulated time."""
+        if self._options.owns_time:
+            return ''
+        return (f'; stamps are {self._stamp_lag.time:.2g} s behind the wall clock, and catch up '
+                'while nothing moves')
 
     def _has_ended(self) -> bool:
         limit = self._options.time_limit
@@ -297,6 +322,8 @@ class SimNode(PushNode):
         values = {'state': self._control.state.value, 'time': self._simulation.time}
         if self._speed_meter.speed is not None:
             values['speed'] = round(self._speed_meter.speed, 3)
+        if not self._options.owns_time:
+            values['stamp_lag'] = round(self._stamp_lag.time, 3)
         self.reporter.report(level, text, values)
 
 

@@ -12,7 +12,7 @@ from push_model.files.flat_values import to_parameter_values
 from push_model.geometry import Pose
 from push_ros.conversions.measurements import from_object_pose_message
 from push_ros.conversions.primitives import nanoseconds, seconds, to_pose_message
-from push_ros.diagnostics import WARN
+from push_ros.diagnostics import status_values, WARN
 from push_ros.topics import CONTROLLER, SIM
 from push_scenario.definition.catalogue import find_scenario
 from push_scenario.definition.loader import read_scenario
@@ -100,6 +100,25 @@ def test_commands_reach_a_simulator_that_was_suspended(sim):
     sim.node.destroy_subscription(subscription)
     # At 50 Hz; what waits for a command that was lost waits for 3 s.
     assert max(counts) < 50, counts
+
+
+def test_stamps_of_a_simulator_that_was_held_up_are_right_again(sim):
+    """It stands: after many halts, each too short to be skipped, stamps are those of the clock."""
+    def lag():
+        count = len(sim.received['odom'])
+        sim.wait_until(lambda: len(sim.received['odom']) > count)
+        now = 1e-9 * sim.node.get_clock().now().nanoseconds
+        return now - seconds(sim.received['odom'][-1].header.stamp)
+
+    for _ in range(10):
+        sim.processes.send(SIM, signal.SIGSTOP)
+        sim.spin(0.35)
+        sim.processes.send(SIM, signal.SIGCONT)
+        sim.spin(0.05)
+    sim.wait_until(lambda: lag() < 0.3)
+    values = [status_values(status) for message in sim.received['diagnostics']
+              for status in message.status]
+    assert 'stamp_lag' in values[-1]
 
 
 def test_it_starts_over_while_a_controller_repeats_its_stop(sim):

@@ -1,6 +1,8 @@
 """Simulated time against the wall clock, which is a number here."""
 
-from push_sim_node.ros.pacing import JITTER, Pacer, SPEED_WINDOW, SpeedMeter
+from push_sim_node.ros.pacing import (
+    CATCH_UP, JITTER, Pacer, SPEED_WINDOW, SpeedMeter, StampLag, SUSPENSION,
+)
 import pytest
 
 PERIOD = 0.02
@@ -41,6 +43,33 @@ def test_a_delay_that_is_dropped_is_told_once():
     assert pacer.reached(1.0, 1.0 + 0.9 * JITTER) == 0.0
     assert pacer.reached(2.0, 5.0) == pytest.approx(3.0)
     assert pacer.reached(3.0, 6.0) == 0.0
+
+
+def slow_run(count, lag, *, rests_from):
+    """Take 5 ms too long for each measurement; return the greatest and the last lag of stamps."""
+    pacer, now, epoch, lags = Pacer(1.0, 0.0), 0.0, 0.0, []
+    for i in range(1, count + 1):
+        now = max(now, pacer.due(i * PERIOD)) + (PERIOD + 0.005 if i < rests_from else 0.0)
+        epoch += lag.update(pacer.reached(i * PERIOD, now), is_at_rest=i >= rests_from)
+        lags.append(now - (epoch + i * PERIOD))
+    return max(lags), lags[-1]
+
+
+def test_stamps_of_a_slow_machine_catch_up_at_rest():
+    """While something moves they fall behind by all that is lost, then they are right again."""
+    lag = StampLag()
+    worst, last = slow_run(400, lag, rests_from=200)
+    assert worst > 0.9 * 200 * 0.005 and abs(last) <= JITTER
+    assert lag.time == 0.0
+
+
+def test_stamps_never_run_back_nor_ahead():
+    """A step is at most that of one measurement; a suspension is made up at once."""
+    lag = StampLag()
+    assert lag.update(0.4, is_at_rest=False) == 0.0
+    assert lag.update(2.0 * SUSPENSION, is_at_rest=False) == 2.0 * SUSPENSION
+    steps = [lag.update(0.0, is_at_rest=True) for _ in range(30)]
+    assert sum(steps) == pytest.approx(0.4) and 0.0 <= min(steps) and max(steps) == CATCH_UP
 
 
 def test_another_pace_begins_where_time_stands():
