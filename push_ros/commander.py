@@ -140,7 +140,7 @@ class PushCommander:
         self._executor.add_node(self._node)
         self._client = ActionClient(self._node, self._action, ACTION)
         # The goal: its number among those sent here, the handle once it was accepted.
-        self._number = 0
+        self._goal_count = 0
         self._handle: Any = None
         self._feedback: PushFeedback | None = None
         self._result: PushResult | None = None
@@ -188,12 +188,13 @@ class PushCommander:
             goal_pose=pose if isinstance(pose, PoseStamped) else self._stamped(pose),
             object_name=object_name, position_tolerance=position_tolerance,
             heading_tolerance=heading_tolerance, time_limit=to_stamp(time_limit, Duration))
-        self._number += 1
+        self._goal_count += 1
         self._handle = self._feedback = self._result = None
-        number = self._number
+        goal_index = self._goal_count
         self._servers = self._present_servers()
         sent = self._client.send_goal_async(
-            goal, feedback_callback=lambda message: self._on_feedback(number, message.feedback))
+            goal,
+            feedback_callback=lambda message: self._on_feedback(goal_index, message.feedback))
         if not self._spin_until(sent.done, math.inf):
             self._result = PushResult(PushOutcome.LOST, error_msg='the controller is gone')
             return False
@@ -203,7 +204,7 @@ class PushCommander:
             return False
         self._servers = self._present_servers()
         self._handle.get_result_async().add_done_callback(
-            lambda future: self._on_result(number, future.result()))
+            lambda future: self._on_result(goal_index, future.result()))
         return True
 
     def is_done(self, timeout: float = SPIN_TIME) -> bool:
@@ -259,8 +260,8 @@ class PushCommander:
                 return condition()
         return True
 
-    def _on_feedback(self, number: int, message: Any) -> None:
-        if number == self._number:
+    def _on_feedback(self, goal_index: int, message: Any) -> None:
+        if goal_index == self._goal_count:
             status = message.status
             self._feedback = PushFeedback(
                 status.state, status.text, status.push_number, status.pushes_done,
@@ -268,8 +269,8 @@ class PushCommander:
                 status.heading_deviation, tuple(status.codes), seconds(message.elapsed_time),
                 seconds(message.estimated_time_remaining))
 
-    def _on_result(self, number: int, response: Any) -> None:
-        if number == self._number:
+    def _on_result(self, goal_index: int, response: Any) -> None:
+        if goal_index == self._goal_count:
             result = response.result
             self._result = PushResult(
                 OUTCOMES.get(response.status, PushOutcome.LOST), result.error_code,

@@ -56,40 +56,40 @@ class LogThrottle:
         """Start with all lines of a burst."""
         self._room = BURST
         self._times: tuple[float, ...] = ()
-        self._kept: tuple[bytes, str] | None = None
-        self._left_out = 0
+        self._held: tuple[bytes, str] | None = None
+        self._omitted = 0
 
     def admits(self, level: bytes, text: str, times: tuple[float, ...]) -> bool:
         """
-        Tell whether a line may be logged now; otherwise keep it, in place of a former one.
+        Tell whether a line may be logged now; otherwise keep it, in place of a previous one.
 
         :param level: ``OK``, ``WARN`` or ``ERROR``.
         :param text: the line.
         :param times: the present on several clocks [s], of which the fastest counts: simulated
             time may stand still, or pass ten times as fast.
         """
-        if self._kept is None and self._takes_room(times):
+        if self._held is None and self._takes_room(times):
             return True
-        self._left_out += self._kept is not None
-        self._kept = level, text
+        self._omitted += self._held is not None
+        self._held = level, text
         return False
 
     def release(self, times: tuple[float, ...]) -> tuple[bytes, str] | None:
         """
-        Return level and text of the line that is kept, once there is room for it.
+        Return level and text of the line that is held, once there is room for it.
 
         :param times: as of ``admits``.
         """
-        if self._kept is None or not self._takes_room(times):
+        if self._held is None or not self._takes_room(times):
             return None
         return self.release_last()
 
     def release_last(self) -> tuple[bytes, str] | None:
-        """Return level and text of the line that is kept, whether there is room for it or not."""
-        if self._kept is None:
+        """Return level and text of the line that is held, whether there is room for it or not."""
+        if self._held is None:
             return None
-        (level, text), self._kept = self._kept, None
-        count, self._left_out = self._left_out, 0
+        (level, text), self._held = self._held, None
+        count, self._omitted = self._omitted, 0
         return level, f'{text} ({count} lines before it are left out)' if count else text
 
     def _takes_room(self, times: tuple[float, ...]) -> bool:

@@ -64,7 +64,7 @@ UNWRITTEN = 1
 # What rclpy raises where rcl cannot do something, as types of a topic that do not fit.
 RCLError: type[Exception] = rclpy_implementation.RCLError
 # What rcl adds to its errors, which helps nobody who uses it.
-PLACE_IN_SOURCE = re.compile(r', at [^,\s]+:\d+')
+SOURCE_LOCATION = re.compile(r', at [^,\s]+:\d+')
 
 
 class StartRefused(ValueError):
@@ -200,17 +200,17 @@ def run(make_node: Callable[[], PolledNode], arguments: Sequence[str] | None = N
         end, 2 where the node refuses to start, as for a parameter, or a parameter file or the
         command line cannot be read.
     """
-    given = sys.argv[1:] if arguments is None else list(arguments)
+    command_line = sys.argv[1:] if arguments is None else list(arguments)
     stop = _StopSignal()
     try:
         try:
-            rclpy.init(args=given, signal_handler_options=SignalHandlerOptions.NO)
-            foreign = remove_ros_args(given)
+            rclpy.init(args=command_line, signal_handler_options=SignalHandlerOptions.NO)
+            foreign = remove_ros_args(command_line)
         except rclpy_implementation.UnknownROSArgsError as error:
             return _refuse(f'got the unknown ROS arguments {error}')
         except RuntimeError as error:
             # A command line or a parameter file that cannot be read.
-            return _refuse(without_place(error))
+            return _refuse(without_location(error))
         if not HELP.isdisjoint(foreign):
             print(f'{USAGE}\n\n{inspect.getdoc(make_node)}')
             return 0
@@ -235,7 +235,7 @@ def _run(make_node: Callable[[], PolledNode], stop: '_StopSignal') -> int:
         return BAD_PARAMETER
     except (ValueError, RCLError) as error:
         # Of rclpy, as it makes the node: a domain that is none, a parameter without a type.
-        return _refuse(without_place(error))
+        return _refuse(without_location(error))
     # Nothing of what exists now will be collected: a full collection takes 50 ms.
     gc.collect()
     gc.freeze()
@@ -272,13 +272,13 @@ def _refuse(reason: str) -> int:
     return BAD_PARAMETER
 
 
-def without_place(error: Exception) -> str:
+def without_location(error: Exception) -> str:
     """
-    Write an error without the place in the source of rcl.
+    Write an error without its location in the source of rcl.
 
     :param error: of rclpy, or any other.
     """
-    return PLACE_IN_SOURCE.sub('', str(error))
+    return SOURCE_LOCATION.sub('', str(error))
 
 
 def spin(node: PolledNode, executor: SingleThreadedExecutor,
@@ -340,24 +340,24 @@ class _StopSignal:
         self._has_come = False
         self._came_at = 0.0
         self._is_armed = False
-        self._previous_handlers = {number: signal.signal(number, self._remember)
-                                   for number in (signal.SIGINT, signal.SIGTERM)}
+        self._previous_handlers = {signum: signal.signal(signum, self._remember)
+                                   for signum in (signal.SIGINT, signal.SIGTERM)}
         self._previous_handlers[signal.SIGALRM] = signal.signal(signal.SIGALRM, self._interrupt)
         self._previous_hook, sys.unraisablehook = sys.unraisablehook, self._repeat
 
-    def _remember(self, number: int, frame: FrameType | None) -> None:
+    def _remember(self, signum: int, frame: FrameType | None) -> None:
         now = time.monotonic()
         if not self._has_come:
             self._came_at = now
             self.arm()
         elif now - self._came_at > PATIENCE_TIME:
-            self._interrupt(number, frame)
+            self._interrupt(signum, frame)
         self._has_come = True
         if self.is_starting:
             self.is_starting = False
             raise _Interrupt
 
-    def _interrupt(self, number: int, frame: FrameType | None) -> None:
+    def _interrupt(self, signum: int, frame: FrameType | None) -> None:
         if self._is_armed:
             raise _Interrupt
 
@@ -382,6 +382,6 @@ class _StopSignal:
 
     def release(self) -> None:
         """Put the previous handlers back."""
-        for number, handler in self._previous_handlers.items():
-            signal.signal(number, handler)
+        for signum, handler in self._previous_handlers.items():
+            signal.signal(signum, handler)
         sys.unraisablehook = self._previous_hook

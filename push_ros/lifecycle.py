@@ -9,7 +9,7 @@ from typing import Any
 from lifecycle_msgs.msg import State
 from lifecycle_msgs.srv import ChangeState
 from push_ros.diagnostics import ERROR, OK
-from push_ros.executor import BackgroundGroup, RCLError, without_place
+from push_ros.executor import BackgroundGroup, RCLError, without_location
 from push_ros.node import AnyAnswer, PushNode, ServiceAnswer
 from push_ros.parameters import Section
 from rclpy.lifecycle import LifecycleNodeMixin, LifecycleState, TransitionCallbackReturn
@@ -186,7 +186,7 @@ class ManagedNode(LifecycleNodeMixin, PushNode):
         except (OSError, RCLError, KeyboardInterrupt) as error:
             is_logged = False
             if not isinstance(error, KeyboardInterrupt):
-                self.get_logger().error(without_place(error))
+                self.get_logger().error(without_location(error))
             raise
         finally:
             if is_logged:

@@ -137,18 +137,18 @@ class MapReader:
         """
         if not self._result:
             return None
-        found, self._result = self._result[0], []
+        result, self._result = self._result[0], []
         self._pending, self._thread = None, None
         self.is_busy = False
-        if isinstance(found, MessageRefused):
-            self.fault = str(found)
-            raise found
-        if self.fault and found.change is MapChange.NONE:
+        if isinstance(result, MessageRefused):
+            self.fault = str(result)
+            raise result
+        if self.fault and result.change is MapChange.NONE:
             # Nobody uses the one that was held.
-            found = found._replace(change=MapChange.NEW)
+            result = result._replace(change=MapChange.NEW)
         self.fault = ''
-        self._held = found
-        return found
+        self._held = result
+        return result
 
     def _read(self, message: Any, result: list[ReadMap | MessageRefused]) -> None:
         try:
@@ -166,11 +166,11 @@ class MapReader:
             origin = map_origin(message)
         except MessageRefused as error:
             return error
-        former = held.occupancy_map.origin
-        if (distance(origin, former) < MIN_SHIFT
-                and abs(wrap_angle(origin.theta - former.theta)) < MIN_TURN):
+        previous = held.occupancy_map.origin
+        if (distance(origin, previous) < MIN_SHIFT
+                and abs(wrap_angle(origin.theta - previous.theta)) < MIN_TURN):
             return ReadMap(held.occupancy_map, message, MapChange.NONE)
-        return ReadMap(held.occupancy_map.moved(origin @ former.inverse()), message,
+        return ReadMap(held.occupancy_map.moved(origin @ previous.inverse()), message,
                        MapChange.MOVED)
 
 

@@ -11,7 +11,7 @@ from push_ros import qos
 from push_ros.conversions.serialized import message_reader
 from push_ros.diagnostics import ERROR, Reporter
 from push_ros.executor import (
-    BackgroundGroup, PolledNode, StartRefused, take_message, without_place,
+    BackgroundGroup, PolledNode, StartRefused, take_message, without_location,
 )
 from push_ros.parameter_files import missed_section, parameter_files
 from push_ros.parameters import ParameterHooks, ParameterSet, Section
@@ -278,7 +278,7 @@ class PushNode(PolledNode):
                 message = read(data)
             except RuntimeError as error:
                 self.reporter.report(ERROR, f'{topic}: got a message that cannot be read: '
-                                            + without_place(error))
+                                            + without_location(error))
                 return
             callback(message)
         return receive
@@ -323,13 +323,13 @@ class PushNode(PolledNode):
 
     def poll(self) -> bool:
         """Handle a message of each real-time topic that has one; tell whether there was any."""
-        found = False
+        has_message = False
         for subscription in self.real_time_subscriptions:
             message = take_message(subscription)
             if message is not None:
-                found = True
+                has_message = True
                 subscription.callback(message)
-        return found
+        return has_message
 
     def on_unexpected_error(self, error: Exception) -> None:
         """
@@ -366,9 +366,9 @@ class PushNode(PolledNode):
         async def answer(_: Any, response: Any) -> Any:
             response.message = INTERNAL_ERROR
             with _ErrorGuard(self.on_unexpected_error):
-                found = action()
+                outcome = action()
                 response.success, response.message = (
-                    found if isinstance(found, ServiceAnswer) else await found)
+                    outcome if isinstance(outcome, ServiceAnswer) else await outcome)
             return response
         return self.create_service(SERVICES[service].type, service, answer, callback_group=group)
 

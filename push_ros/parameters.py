@@ -76,22 +76,22 @@ class ParameterSet:
         self._settable = settable or {}
         specs = [spec for prefix, cls in sections for spec in parameter_specs(cls, prefix)]
         self._specs = {spec.name: spec for spec in specs}
-        given = self._given_values()
-        self.settings = [from_parameter_values(cls, given, prefix) for prefix, cls in sections]
+        overrides = self._override_values()
+        self.settings = [from_parameter_values(cls, overrides, prefix) for prefix, cls in sections]
         for spec in specs:
-            _declare(node, spec, given.get(spec.name, spec.default),
+            _declare(node, spec, overrides.get(spec.name, spec.default),
                      self._settable.get(spec.name, READ_ONLY))
         node.add_pre_set_parameters_callback(self._prepare)
         node.add_on_set_parameters_callback(self._check)
         node.add_post_set_parameters_callback(self._use)
 
-    def _given_values(self) -> dict[str, Any]:
+    def _override_values(self) -> dict[str, Any]:
         """Return the values that the node was given; refuse or forget those of others."""
         # The stubs of rclpy have values here, where it gives parameters.
         declared: dict[str, Any] = dict(self._node.get_parameters_by_prefix(''))
-        given = {name: parameter.value for name, parameter in declared.items()
-                 if parameter.type_ != Parameter.Type.NOT_SET and not _is_of_rclpy(name)}
-        unknown = sorted(set(given) - set(self._specs))
+        overrides = {name: parameter.value for name, parameter in declared.items()
+                     if parameter.type_ != Parameter.Type.NOT_SET and not _is_of_rclpy(name)}
+        unknown = sorted(set(overrides) - set(self._specs))
         groups = tuple(prefix for prefix, _ in self._sections if prefix)
         refused = [name for name in unknown if name.startswith(groups)]
         if refused:
@@ -102,7 +102,7 @@ class ParameterSet:
                                             'does not have; ignored')
         for name in unknown:
             self._node.undeclare_parameter(name)
-        return {name: value for name, value in given.items() if name in self._specs}
+        return {name: value for name, value in overrides.items() if name in self._specs}
 
     def assign(self, values: Mapping[str, Any]) -> None:
         """
@@ -142,9 +142,9 @@ class ParameterSet:
         prepared = [_as_real(parameter) if parameter.name in real else parameter
                     for parameter in parameters]
         if self._hooks is not None:
-            given: dict[str, Any] = {parameter.name: parameter.value for parameter in prepared}
+            values: dict[str, Any] = {parameter.name: parameter.value for parameter in prepared}
             prepared += [_parameter(self._specs[name], value)
-                         for name, value in self._hooks.complete(given).items()]
+                         for name, value in self._hooks.complete(values).items()]
         return prepared
 
     def _check(self, parameters: list[Parameter]) -> SetParametersResult:
@@ -237,5 +237,5 @@ def _as_real(parameter: Parameter) -> Parameter:
 def _parameter(spec: ParameterSpec, value: Any) -> Parameter:
     item = (get_args(spec.kind) or (None,))[0]
     if item is not None:
-        return Parameter(spec.name, ARRAYS[item], [item(number) for number in value])
+        return Parameter(spec.name, ARRAYS[item], [item(element) for element in value])
     return Parameter(spec.name, SCALARS[spec.kind], spec.kind(value))

@@ -7,9 +7,9 @@ SENSOR = qos_profile_sensor_data
 NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 # They and the commands are offered reliably all the same, so that recorders get every one, and
 # kept for a recorder that stands still: at the thousand a second of a replay in lockstep, for 5 s.
-KEPT_MESSAGES = 5000
-MEASUREMENT = QoSProfile(depth=KEPT_MESSAGES, reliability=ReliabilityPolicy.RELIABLE)
-COMMAND = QoSProfile(depth=KEPT_MESSAGES, reliability=ReliabilityPolicy.RELIABLE)
+QUEUE_DEPTH = 5000
+MEASUREMENT = QoSProfile(depth=QUEUE_DEPTH, reliability=ReliabilityPolicy.RELIABLE)
+COMMAND = QoSProfile(depth=QUEUE_DEPTH, reliability=ReliabilityPolicy.RELIABLE)
 # Commands are subscribed best effort as well: a reliable subscriber that has lost one gets no
 # other until that is sent again, with Fast DDS up to its heartbeat period of 3 s later.
 LATEST_COMMAND = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)

@@ -136,15 +136,15 @@ def start_tool(name: str) -> int:
 
 
 def _leave_on_signals() -> None:
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, _leave)
+    for signum in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(signum, _leave)
 
 
-def _leave(number: int, frame: FrameType | None) -> None:
+def _leave(signum: int, frame: FrameType | None) -> None:
     os._exit(0)
 
 
-def _leave_tool(number: int, frame: FrameType | None) -> None:
+def _leave_tool(signum: int, frame: FrameType | None) -> None:
     os._exit(INTERRUPTED)
 
 

@@ -107,7 +107,7 @@ class DelaySearch:
     @property
     def is_at_rest(self) -> bool:
         """Whether the newest velocities, measured and expected, are those of a base at rest."""
-        return not self._samples or _are_at_rest(self._samples[-1][MEASURED:])
+        return not self._samples or _are_zero(self._samples[-1][MEASURED:])
 
     def add(self, time: float, measured: Twist, expected: Twist) -> None:
         """
@@ -132,7 +132,7 @@ class DelaySearch:
         samples = np.array(self._samples, dtype=np.float64) * self._units
         times = samples[:, TIME]
         # A base that is at rest at first has been so before, as far as is known.
-        unknown_time = 0.0 if _are_at_rest(samples[0, MEASURED:].tolist()) else self._max_delay
+        unknown_time = 0.0 if _are_zero(samples[0, MEASURED:].tolist()) else self._max_delay
         first = int(np.searchsorted(times, times[0] + unknown_time))
         if first == len(times) or times[-1] - times[first] < min_time:
             return None
@@ -146,5 +146,5 @@ class DelaySearch:
             float(samples[first:, MEASURED:EXPECTED].var(axis=0).sum()))
 
 
-def _are_at_rest(values: Sequence[float]) -> bool:
+def _are_zero(values: Sequence[float]) -> bool:
     return max(map(abs, values)) < REST_SPEED

@@ -189,8 +189,8 @@ def _replay(options: argparse.Namespace) -> int:
         if results:
             print(push_scenario.format_report(results))
         return _report_error('interrupted', INTERRUPTED)
-    judged = [result for result in results if result.control_law != 'open_loop'] or results
-    is_as_expected = all(map(push_scenario.is_as_expected, judged))
+    evaluated = [result for result in results if result.control_law != 'open_loop'] or results
+    is_as_expected = all(map(push_scenario.is_as_expected, evaluated))
     return AS_EXPECTED if is_as_expected else NOT_AS_EXPECTED
 
 
@@ -266,10 +266,10 @@ def _run_over_dds(scenario: 'Scenario', law: str, options: argparse.Namespace,
 
 def _can_record() -> bool:
     """Return whether rosbags is there, and print where it is not."""
-    found = util.find_spec('rosbags') is not None
-    if not found:
+    is_installed = util.find_spec('rosbags') is not None
+    if not is_installed:
         print('replay: no recording: module rosbags is not installed', file=sys.stderr)
-    return found
+    return is_installed
 
 
 def _finish(results: Sequence['RunResult'], options: argparse.Namespace,

@@ -53,6 +53,6 @@ class Interrupts:
         if self._has_come:
             raise KeyboardInterrupt
 
-    def _handle(self, number: int, frame: FrameType | None) -> None:
+    def _handle(self, signum: int, frame: FrameType | None) -> None:
         self._has_come = True
         raise KeyboardInterrupt

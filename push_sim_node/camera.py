@@ -11,7 +11,7 @@ from push_model.quantity import check, quantity
 
 # Where the camera is: nowhere, so that object poses come from everywhere; on the robot; or in the
 # room, where the robot may stand in front of the object.
-CameraPlace: TypeAlias = Literal['none', 'robot', 'room']
+CameraMount: TypeAlias = Literal['none', 'robot', 'room']
 # What object poses are relative to: the world, as where something else tells the place of the
 # camera, or the robot.
 PoseReference: TypeAlias = Literal['world', 'robot']
@@ -29,8 +29,8 @@ class CameraSettings:
     axis of the mount, and the direction to the origin.
     """
 
-    place: CameraPlace = quantity('where the camera is; none: poses come from everywhere',
-                                  choices=get_args(CameraPlace), default='none')
+    place: CameraMount = quantity('where the camera is; none: poses come from everywhere',
+                                  choices=get_args(CameraMount), default='none')
     reference: PoseReference = quantity(
         'what poses are relative to: world, or the robot that the camera is on',
         choices=get_args(PoseReference), default='world')
@@ -156,10 +156,10 @@ def mirrored_tilt(obj: PushedObject, bearing: float) -> Pose:
     sides = range(len(obj.outline))
     if not sides:
         return Pose(0.0, 0.0, 0.0)
-    tilts = {side: wrap_angle(bearing - face_normal(obj, side) - math.pi) for side in sides}
-    side = min(sides, key=lambda index: abs(tilts[index]))
+    angles = {side: wrap_angle(bearing - face_normal(obj, side) - math.pi) for side in sides}
+    side = min(sides, key=lambda index: abs(angles[index]))
     tag = Pose(*contact_point(obj, Contact('face', side)), 0.0)
-    return tag @ Pose(0.0, 0.0, 2.0 * tilts[side]) @ tag.inverse()
+    return tag @ Pose(0.0, 0.0, 2.0 * angles[side]) @ tag.inverse()
 
 
 def relative_pose(object_pose: Pose, robot_pose: Pose) -> Pose:

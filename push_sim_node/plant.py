@@ -200,7 +200,7 @@ class Plant:
 
     def _load_on_robot(self) -> tuple[tuple[float, float], float]:
         """Return force, own axes [N], and moment [N m] of the object on the robot in one step."""
-        if self._number(layout.NORMAL_FORCE) == 0.0:
+        if self._value(layout.NORMAL_FORCE) == 0.0:
             return (0.0, 0.0), 0.0
         truth, pose = self.truth(0.0), self.robot_pose
         c, s = math.cos(truth.normal), math.sin(truth.normal)
@@ -244,17 +244,17 @@ class Plant:
     @property
     def mode(self) -> ContactMode:
         """Contact mode over the last step."""
-        return ContactMode.from_code(self._number(layout.MODE))
+        return ContactMode.from_code(self._value(layout.MODE))
 
     @property
     def steps(self) -> int:
         """Number of steps since the start."""
-        return int(self._number(layout.STEPS))
+        return int(self._value(layout.STEPS))
 
     @property
     def unsolved_steps(self) -> int:
         """Number of steps whose velocities are off their equations by more than 0.1 mm/s."""
-        return int(self._number(layout.UNSOLVED_STEPS))
+        return int(self._value(layout.UNSOLVED_STEPS))
 
     @property
     def energy(self) -> Energy:
@@ -327,5 +327,5 @@ class Plant:
         for i in (layout.A_X, layout.A_Y, layout.A_OMEGA):
             self._world.state[i] = 0.0
 
-    def _number(self, index: int) -> float:
+    def _value(self, index: int) -> float:
         return float(self._world.state[index])

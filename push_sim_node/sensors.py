@@ -123,14 +123,14 @@ class ViewBias:
     ``u`` and phases ``a`` are drawn once per run; the orientation has the same form.
 
     :param settings: ``SensorSettings``.
-    :param draws: ``numpy.random.Generator`` of directions and phases.
+    :param rng: ``numpy.random.Generator`` of directions and phases.
     """
 
-    def __init__(self, settings: SensorSettings, draws: np.random.Generator) -> None:
+    def __init__(self, settings: SensorSettings, rng: np.random.Generator) -> None:
         self._settings = settings
-        self._directions = draws.uniform(-math.pi, math.pi, 2).tolist()
-        self._phases = draws.uniform(-math.pi, math.pi, 2).tolist()
-        self._heading_phases = draws.uniform(-math.pi, math.pi, 2).tolist()
+        self._directions = rng.uniform(-math.pi, math.pi, 2).tolist()
+        self._phases = rng.uniform(-math.pi, math.pi, 2).tolist()
+        self._heading_phases = rng.uniform(-math.pi, math.pi, 2).tolist()
 
     def error(self, bearing: float) -> Pose:
         """
@@ -298,7 +298,7 @@ class OdometrySensor:
 
     def __init__(self, settings: SensorSettings, pose: Pose, biases: np.random.Generator,
                  noise: np.random.Generator, pose_noise: np.random.Generator) -> None:
-        self._draws = biases.standard_normal(2).tolist()
+        self._bias_samples = biases.standard_normal(2).tolist()
         self._noise = noise
         self._pose_noise = pose_noise
         self._jumps, = pose_noise.spawn(1)
@@ -312,7 +312,7 @@ class OdometrySensor:
 
     def set_settings(self, settings: SensorSettings) -> None:
         """Measure with other errors from now on; what has been summed up stays."""
-        scale, drift = self._draws
+        scale, drift = self._bias_samples
         self._settings = settings
         self._scale = 1.0 + settings.odometry_scale + settings.odometry_scale_noise * scale
         self._yaw_scale = 1.0 + settings.odometry_yaw_scale

@@ -41,14 +41,14 @@ class _Event(NamedTuple):
     :param time: when [ns].
     :param kind: ``_EventKind``.
     :param order: number in the order of scheduling.
-    :param number: of a measurement, 0 for the first of its sensor.
+    :param sample_index: of a measurement, 0 for the first of its sensor.
     :param pose: the measurement that is delivered, if any.
     """
 
     time: int
     kind: _EventKind
     order: int
-    number: int
+    sample_index: int
     pose: ObjectPose | None
 
 
@@ -59,10 +59,10 @@ class _EventQueue:
         self._heap: list[_Event] = []
         self._count = 0
 
-    def schedule(self, time: int, kind: _EventKind, number: int,
+    def schedule(self, time: int, kind: _EventKind, index: int,
                  pose: ObjectPose | None = None) -> None:
         self._count += 1
-        heapq.heappush(self._heap, _Event(time, kind, self._count, number, pose))
+        heapq.heappush(self._heap, _Event(time, kind, self._count, index, pose))
 
     def pop(self) -> _Event:
         return heapq.heappop(self._heap)
@@ -248,9 +248,9 @@ class Simulation:
         return Camera(self.sensors.camera, self.obj, self.robot.radius)
 
     def _measure_odometry(self, event: _Event) -> Odometry:
-        number = event.number + 1
-        self._events.schedule(_nanoseconds(number / self.sensors.odometry_rate),
-                              _EventKind.MEASURE_ODOMETRY, number)
+        index = event.sample_index + 1
+        self._events.schedule(_nanoseconds(index / self.sensors.odometry_rate),
+                              _EventKind.MEASURE_ODOMETRY, index)
         self.rows.append(self.plant.row(self.time, self._active_command()))
         is_absolute = self.sensors.odometry_reference == 'absolute'
         pose = self.plant.robot_pose if is_absolute else self.plant.odometry_pose
@@ -259,12 +259,12 @@ class Simulation:
         return measured
 
     def _measure_pose(self, event: _Event) -> None:
-        number = event.number + 1
-        self._events.schedule(_nanoseconds(number / self.sensors.pose_rate),
-                              _EventKind.MEASURE_POSE, number)
+        index = event.sample_index + 1
+        self._events.schedule(_nanoseconds(index / self.sensors.pose_rate),
+                              _EventKind.MEASURE_POSE, index)
         object_pose, robot_pose = self.plant.object_pose, self.plant.robot_pose
         is_seen = self._camera.sees(object_pose, robot_pose)
-        is_first = event.number == 0
+        is_first = event.sample_index == 0
         x, y = object_pose.inverse().transform(self._camera.pose(robot_pose)[:2])
         bearing = math.atan2(y, x)
         pose = self._pose_sensor.measure(
@@ -278,7 +278,7 @@ class Simulation:
             kind = _EventKind.DELIVER_RELATIVE_POSE
             pose = pose._replace(relative=relative_pose(pose.pose, robot_pose))
         latency = 0 if is_first else _nanoseconds(self.sensors.pose_latency)
-        self._events.schedule(event.time + latency, kind, event.number, pose)
+        self._events.schedule(event.time + latency, kind, event.sample_index, pose)
 
     def _advance_to(self, time: int) -> None:
         """Move the plant on, with stops where command, friction or pose of the object change."""

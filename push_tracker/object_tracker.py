@@ -86,16 +86,16 @@ class ObjectTracker:
                                                                            time)]
         if expected or self._last is None:
             used = self._consensus(expected or candidates)
-            found = self._fuse(used, time)
+            pose = self._fuse(used, time)
             self._suspected, self._confirmations = None, 0
         else:
             used = self._consensus(candidates)
-            found = self._confirmed(self._fuse(used, time), used, time)
-        if found is not None:
-            self._last = found
-        frames = {candidate.frame for candidate in used} if found is not None else set[str]()
-        return TrackerUpdate(found, tuple(sighting.frame for sighting in sightings
-                                          if sighting.frame not in frames))
+            pose = self._confirmed(self._fuse(used, time), used, time)
+        if pose is not None:
+            self._last = pose
+        frames = {candidate.frame for candidate in used} if pose is not None else set[str]()
+        return TrackerUpdate(pose, tuple(sighting.frame for sighting in sightings
+                                         if sighting.frame not in frames))
 
     def _tilt(self, sighting: TagSighting) -> float:
         return (sighting.pose @ self._tags[sighting.frame].pose.inverse()).tilt
@@ -146,18 +146,18 @@ class ObjectTracker:
         return ObjectPose(time, Pose(x, y, wrap_angle(first + rotation)),
                           PoseCovariance.from_matrix(covariance))
 
-    def _confirmed(self, found: ObjectPose | None, used: Sequence[_Candidate],
+    def _confirmed(self, pose: ObjectPose | None, used: Sequence[_Candidate],
                    time: float) -> ObjectPose | None:
         """Believe a pose that the object cannot have reached, once enough of them agree."""
-        if found is None:
+        if pose is None:
             return None
         is_confirmed = any(self._follows(self._suspected, candidate, time) for candidate in used)
         self._confirmations = self._confirmations + 1 if is_confirmed else 1
-        self._suspected = found
+        self._suspected = pose
         if self._confirmations < self._settings.confirmations:
             return None
         self._suspected, self._confirmations = None, 0
-        return found
+        return pose
 
 
 def _covariance(tag: MountedTag, heading: float, position_deviation: float,

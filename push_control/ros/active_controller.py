@@ -34,7 +34,7 @@ from push_ros.diagnostics import ERROR, OK, WARN
 from push_ros.lifecycle import ManagedNode
 from push_ros.node import ServiceAnswer
 from push_ros.push_interfaces import ACTION, import_push_interfaces
-from push_ros.qos import KEPT_MESSAGES
+from push_ros.qos import QUEUE_DEPTH
 from push_ros.topic_watch import TopicWatch
 from push_ros.transforms.world import Handlers, WorldFrame
 from rclpy.clock import Clock
@@ -257,7 +257,7 @@ class ActiveController:
     def _catch_up(self) -> None:
         """Take in the measurements that have come already: they are from before the goal."""
         # In lockstep goals hold from the time of their stamps on.
-        for _ in range(0 if self._parameters.options.lockstep else KEPT_MESSAGES):
+        for _ in range(0 if self._parameters.options.lockstep else QUEUE_DEPTH):
             if not self._node.poll():
                 break
 

@@ -13,8 +13,8 @@ from push_ros.conversions.footprint import (
     pushing_footprint, robot_footprint, to_footprint_message,
 )
 from push_ros.conversions.markers import (
-    BELIEVED, erased, estimate_markers, goal_markers, MarkerHeader, plan_markers, scene_markers,
-    text_markers,
+    BELIEVED, erased, estimate_markers, goal_markers, MarkerHeader, plan_markers,
+    scene_markers, text_markers,
 )
 from push_ros.conversions.primitives import to_stamp
 from push_ros.node import PushNode, RateLimiter

@@ -66,5 +66,5 @@ def _circle(radius: float) -> list[Coordinates]:
     if not math.isfinite(radius):
         return [(0.0, 0.0)]
     outside = radius / math.cos(math.pi / CIRCLE_VERTICES)
-    angles = [2.0 * math.pi / CIRCLE_VERTICES * number for number in range(CIRCLE_VERTICES)]
+    angles = [2.0 * math.pi / CIRCLE_VERTICES * index for index in range(CIRCLE_VERTICES)]
     return [(outside * math.cos(angle), outside * math.sin(angle)) for angle in angles]

@@ -244,7 +244,7 @@ def _set_scale(marker: Any, x: float, y: float = 0.0, z: float = 0.0) -> None:
 def _closed_outline(obj: PushedObject) -> Sequence[Coordinates]:
     if obj.outline:
         return [*obj.outline, obj.outline[0]]
-    angles = [2.0 * math.pi / CIRCLE_VERTICES * number for number in range(CIRCLE_VERTICES + 1)]
+    angles = [2.0 * math.pi / CIRCLE_VERTICES * index for index in range(CIRCLE_VERTICES + 1)]
     return [(obj.radius * math.cos(angle), obj.radius * math.sin(angle)) for angle in angles]
 
 

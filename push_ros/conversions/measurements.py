@@ -15,8 +15,8 @@ from push_ros.conversions.primitives import (
 
 # Places of ``PoseCovariance`` in the 6 x 6 covariance of a message, by rows of (x, y, z, roll,
 # pitch, yaw), and of its diagonal.
-COVARIANCE_PLACES = (0, 1, 5, 7, 11, 35)
-VARIANCE_PLACES = {'x': 0, 'y': 7, 'yaw': 35}
+COVARIANCE_INDICES = (0, 1, 5, 7, 11, 35)
+VARIANCE_INDICES = {'x': 0, 'y': 7, 'yaw': 35}
 # What the diagonal of a covariance holds where nothing is stated: what a message is made with, and
 # what some drivers write.
 NOT_STATED = (0.0, -1.0)
@@ -63,9 +63,9 @@ def to_covariance(covariance: PoseCovariance) -> list[float]:
     :return: of (x, y, z, roll, pitch, yaw), by rows, 36 numbers; those out of the plane are 0.
     """
     values = [0.0] * 36
-    for place, value in zip(COVARIANCE_PLACES, covariance):
-        row, column = divmod(place, 6)
-        values[place] = values[6 * column + row] = value
+    for index, value in zip(COVARIANCE_INDICES, covariance):
+        row, column = divmod(index, 6)
+        values[index] = values[6 * column + row] = value
     return values
 
 
@@ -81,14 +81,14 @@ def from_covariance(values: Sequence[float], name: str) -> PoseCovariance | None
     :raises MessageRefused: where one of them is negative or not finite, or where the errors would
         be more than fully correlated.
     """
-    variances = {axis: values[place] for axis, place in VARIANCE_PLACES.items()}
+    variances = {axis: values[index] for axis, index in VARIANCE_INDICES.items()}
     for axis, variance in variances.items():
         if not math.isfinite(variance) or (variance < 0.0 and variance not in NOT_STATED):
             raise MessageRefused(f'{name}: got the variance {variance:g} of {axis}, expected a '
                                  'finite number of at least 0, or -1 where none is stated')
     if any(variance in NOT_STATED for variance in variances.values()):
         return None
-    covariance = PoseCovariance(*(values[place] for place in COVARIANCE_PLACES))
+    covariance = PoseCovariance(*(values[index] for index in COVARIANCE_INDICES))
     x_x, x_y, x_theta, y_y, y_theta, theta_theta = covariance
     if not (x_y ** 2 <= x_x * y_y and x_theta ** 2 <= x_x * theta_theta
             and y_theta ** 2 <= y_y * theta_theta):

@@ -99,15 +99,15 @@ def from_plan_message(message: JointTrajectory, frame: str,
     check_frame(message.header.frame_id, frame, topic)
     names = list(message.joint_names)
     check_joint_names(names, (STYLE, *MOTION), topic, optional=LINE)
-    positions = _numbers(message, 'positions', MAX_POSITION, topic)
-    velocities = _numbers(message, 'velocities', MAX_VELOCITY, topic)
+    positions = _field_values(message, 'positions', MAX_POSITION, topic)
+    velocities = _field_values(message, 'velocities', MAX_VELOCITY, topic)
     style = _style(_constant(STYLE, names, positions, topic), topic)
     check_joint_names(names, (STYLE, *(LINE if style.is_straight else ()), *MOTION), topic)
     arrays: dict[str, Any] = {
         'times': [seconds(point.time_from_start) for point in message.points]}
     columns = [names.index(name) for name in MOTION]
-    for number, body in enumerate(BODIES):
-        selected = columns[3 * number:3 * number + 3]
+    for index, body in enumerate(BODIES):
+        selected = columns[3 * index:3 * index + 3]
         poses = positions[:, selected]
         poses[:, 2] = np.unwrap(poses[:, 2])
         arrays[f'{body}_poses'], arrays[f'{body}_twists'] = poses, velocities[:, selected]
@@ -140,12 +140,12 @@ def _push_values(trajectory: PushTrajectory) -> dict[str, float]:
     values = {STYLE: float(STYLE_CODES[trajectory.style])}
     line = trajectory.line
     if line is not None:
-        numbers = (*line.start, line.curvature, line.length, line.face)
-        values.update(zip(LINE, map(float, numbers)))
+        line_values = (*line.start, line.curvature, line.length, line.face)
+        values.update(zip(LINE, map(float, line_values)))
     return values
 
 
-def _numbers(message: JointTrajectory, field: str, largest: float, topic: str) -> FloatArray:
+def _field_values(message: JointTrajectory, field: str, largest: float, topic: str) -> FloatArray:
     """Read the numbers of a field, shape (points, names)."""
     names = list(message.joint_names)
     rows = [getattr(point, field) for point in message.points]
@@ -153,15 +153,15 @@ def _numbers(message: JointTrajectory, field: str, largest: float, topic: str) -
         if len(row) != len(names):
             raise MessageRefused(f'{topic}: got {len(row)} {field} in point {index}, expected '
                                  f'{len(names)}, one for each joint name')
-    numbers = np.array(rows, dtype=np.float64).reshape(-1, len(names))
+    values = np.array(rows, dtype=np.float64).reshape(-1, len(names))
     # False for what is not a number as well.
-    wrong = np.argwhere(~(np.abs(numbers) <= largest))
+    wrong = np.argwhere(~(np.abs(values) <= largest))
     if wrong.size:
         point, column = wrong[0].tolist()
-        raise MessageRefused(f'{topic}: {names[column]}: got {numbers[point, column]:g} in the '
+        raise MessageRefused(f'{topic}: {names[column]}: got {values[point, column]:g} in the '
                              f'{field} of point {point}, expected a finite number of at most '
                              f'{largest:g}')
-    return numbers
+    return values
 
 
 def _constant(name: str, names: list[str], positions: FloatArray, topic: str) -> float:
@@ -176,10 +176,10 @@ def _constant(name: str, names: list[str], positions: FloatArray, topic: str) ->
 
 
 def _style(code: float, topic: str) -> PushStyle:
-    for style, number in STYLE_CODES.items():
-        if code == number:
+    for style, known in STYLE_CODES.items():
+        if code == known:
             return style
-    expected = ', '.join(f'{number} ({style.value})' for style, number in STYLE_CODES.items())
+    expected = ', '.join(f'{known} ({style.value})' for style, known in STYLE_CODES.items())
     raise MessageRefused(f'{topic}: {STYLE}: got {code:g}, expected one of {expected}')
 
 

@@ -23,7 +23,7 @@ from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 POSES = ('object', 'robot', 'goal')
 # Largest number of a request, in its unit; chosen: as the largest position of other messages, far
 # below where products of such numbers overflow.
-MAX_NUMBER = 1e7
+MAX_VALUE = 1e7
 # Prefix of the parameters of the object; numbers of a list follow, from 0 on: outline.0, ...
 PARAMETERS = 'object.'
 CONE_FRACTION = 'cone_fraction'
@@ -34,12 +34,12 @@ TOLERANCES = ('position_tolerance', 'heading_tolerance')
 DEVIATIONS = ('robot_deviation', 'center_deviation', 'contact_friction_deviation',
               'odometry_slope', 'odometry_drift')
 # Parameters of any object that are one number, and those that are lists.
-NUMBERS = tuple(spec.name for spec in parameter_specs(PushedObject, PARAMETERS)
+SCALARS = tuple(spec.name for spec in parameter_specs(PushedObject, PARAMETERS)
                 if spec.kind is float)
 LISTS = tuple(spec.name for spec in parameter_specs(PushedObject, PARAMETERS)
               if spec.kind is not float)
 FIELDS = (*(f'{pose}.{part}' for pose in POSES for part in ('x', 'y', 'heading')),
-          KIND, CONE_FRACTION, *TOLERANCES, *DEVIATIONS, *NUMBERS)
+          KIND, CONE_FRACTION, *TOLERANCES, *DEVIATIONS, *SCALARS)
 
 
 def to_request_message(request: PlanRequest, stamp: Any, frame: str) -> JointTrajectory:
@@ -92,9 +92,9 @@ def _check_ranges(values: dict[str, float], topic: str) -> None:
     """Refuse numbers with which nobody can compute."""
     for name, value in values.items():
         # False for what is not a number as well.
-        if not abs(value) <= MAX_NUMBER:
+        if not abs(value) <= MAX_VALUE:
             raise MessageRefused(f'{topic}: {name}: got {value:g}, expected a finite number of at '
-                                 f'most {MAX_NUMBER:g}')
+                                 f'most {MAX_VALUE:g}')
     if values[KIND] not in range(len(KINDS)):
         raise MessageRefused(f'{topic}: {KIND}: got {values[KIND]:g}, expected a whole number '
                              f'from 0 to {len(KINDS) - 1}')
@@ -117,7 +117,7 @@ def _object_values(obj: PushedObject) -> dict[str, float]:
     values: dict[str, float] = {}
     for name, value in to_parameter_values(obj, PARAMETERS).items():
         if isinstance(value, list):
-            values.update({f'{name}.{index}': number for index, number in enumerate(value)})
+            values.update({f'{name}.{index}': item for index, item in enumerate(value)})
         else:
             values[name] = value
     return values
@@ -125,10 +125,10 @@ def _object_values(obj: PushedObject) -> dict[str, float]:
 
 def _object(values: dict[str, float], topic: str) -> PushedObject:
     """Make the object of the parameters in a message."""
-    given = {**{name: values[name] for name in NUMBERS},
-             **{name: _list(name, values, topic) for name in LISTS}}
+    parameters = {**{name: values[name] for name in SCALARS},
+                  **{name: _list(name, values, topic) for name in LISTS}}
     try:
-        return from_parameter_values(PushedObject, given, PARAMETERS)
+        return from_parameter_values(PushedObject, parameters, PARAMETERS)
     except ValueError as error:
         raise MessageRefused(f'{topic}: {error}') from error
 

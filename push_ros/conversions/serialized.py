@@ -29,7 +29,7 @@ PLAIN_CDR = b'\x00\x01\x00\x00'
 STAMP = struct.Struct('<iI')
 LENGTH = struct.Struct('<I')
 # Alignments of the lengths of strings and of numbers [B].
-LENGTH_ALIGNMENT, NUMBER_ALIGNMENT = 4, 8
+LENGTH_ALIGNMENT, DOUBLE_ALIGNMENT = 4, 8
 # Numbers of a pose (position, quaternion), a twist (linear, angular), a covariance by rows.
 POSE_SIZE, TWIST_SIZE, COVARIANCE_SIZE = 7, 6, 36
 NO_COVARIANCE = (0.0,) * COVARIANCE_SIZE
@@ -156,7 +156,7 @@ def serialize_odometry(odometry: Odometry, stamp: int, frames: tuple[str, str],
     covariance = NO_COVARIANCE if odometry.covariance is None else to_covariance(
         odometry.covariance)
     return _serialized(stamp, frames, (
-        *_pose_numbers(odometry.pose), *covariance, *_twist_numbers(odometry.twist),
+        *_pose_values(odometry.pose), *covariance, *_twist_values(odometry.twist),
         *twist_covariance))
 
 
@@ -167,7 +167,7 @@ def serialize_object_pose(object_pose: ObjectPose, stamp: int, frame: str) -> by
     :param stamp: [ns].
     :param frame: id of the world frame.
     """
-    return _serialized(stamp, (frame,), _pose_numbers(object_pose.pose))
+    return _serialized(stamp, (frame,), _pose_values(object_pose.pose))
 
 
 def serialize_command(twist: Twist, stamp: int, frame: str, *, stamped: bool) -> bytes:
@@ -179,27 +179,27 @@ def serialize_command(twist: Twist, stamp: int, frame: str, *, stamped: bool) ->
     :param frame: id of the robot's frame.
     :param stamped: whether to make a ``geometry_msgs/TwistStamped``, else a ``Twist``.
     """
-    numbers = _twist_numbers(twist)
-    return _serialized(stamp, (frame,), numbers) if stamped else _serialized(None, (), numbers)
+    values = _twist_values(twist)
+    return _serialized(stamp, (frame,), values) if stamped else _serialized(None, (), values)
 
 
-def _serialized(stamp: int | None, texts: Sequence[str], numbers: Sequence[float]) -> bytes:
+def _serialized(stamp: int | None, texts: Sequence[str], values: Sequence[float]) -> bytes:
     data = bytearray(PLAIN_CDR)
     if stamp is not None:
         data += STAMP.pack(*divmod(stamp, NANOSECONDS))
     for text in texts:
         encoded = text.encode() + b'\0'
         data += bytes(-len(data) % LENGTH_ALIGNMENT) + LENGTH.pack(len(encoded)) + encoded
-    data += bytes((len(PLAIN_CDR) - len(data)) % NUMBER_ALIGNMENT)
-    return bytes(data) + struct.pack(f'<{len(numbers)}d', *numbers)
+    data += bytes((len(PLAIN_CDR) - len(data)) % DOUBLE_ALIGNMENT)
+    return bytes(data) + struct.pack(f'<{len(values)}d', *values)
 
 
-def _pose_numbers(pose: Sequence[float]) -> tuple[float, ...]:
+def _pose_values(pose: Sequence[float]) -> tuple[float, ...]:
     x, y, theta = pose
     return (x, y, 0.0, 0.0, 0.0, *yaw_quaternion(theta))
 
 
-def _twist_numbers(twist: Sequence[float]) -> tuple[float, ...]:
+def _twist_values(twist: Sequence[float]) -> tuple[float, ...]:
     v_x, v_y, omega = twist
     return v_x, v_y, 0.0, 0.0, 0.0, omega
 
@@ -207,17 +207,17 @@ def _twist_numbers(twist: Sequence[float]) -> tuple[float, ...]:
 class _Layout:
     """The strings and numbers of a message type, and what is made of them."""
 
-    def __init__(self, string_count: int, number_count: int,
+    def __init__(self, string_count: int, value_count: int,
                  make: Callable[[Any, Any, Sequence[str]], Any]) -> None:
         """
         Describe a type.
 
         :param string_count: ids of frames, the first in the header; without any there is none.
-        :param number_count: float64 behind them.
+        :param value_count: float64 behind them.
         :param make: takes header, numbers and the other strings.
         """
         self._string_count = string_count
-        self._numbers = struct.Struct(f'<{number_count}d')
+        self._values = struct.Struct(f'<{value_count}d')
         self._make = make
 
     def read(self, data: bytes) -> Any:
@@ -241,25 +241,25 @@ class _Layout:
                 texts.append(str(data[offset + LENGTH.size:end - 1], 'utf-8'))
                 offset = end
             header = HeaderValue(stamp, texts.pop(0))
-        offset += (len(PLAIN_CDR) - offset) % NUMBER_ALIGNMENT
-        return self._make(header, self._numbers.unpack_from(data, offset), texts)
+        offset += (len(PLAIN_CDR) - offset) % DOUBLE_ALIGNMENT
+        return self._make(header, self._values.unpack_from(data, offset), texts)
 
 
-def _pose(numbers: tuple[float, ...]) -> PoseValue:
-    return PoseValue(VectorValue(*numbers[:3]), QuaternionValue(*numbers[3:]))
+def _pose(values: tuple[float, ...]) -> PoseValue:
+    return PoseValue(VectorValue(*values[:3]), QuaternionValue(*values[3:]))
 
 
-def _twist(numbers: tuple[float, ...]) -> TwistValue:
-    return TwistValue(VectorValue(*numbers[:3]), VectorValue(*numbers[3:]))
+def _twist(values: tuple[float, ...]) -> TwistValue:
+    return TwistValue(VectorValue(*values[:3]), VectorValue(*values[3:]))
 
 
-def _uncertain_pose(numbers: tuple[float, ...]) -> UncertainPose:
-    return UncertainPose(_pose(numbers[:POSE_SIZE]), numbers[POSE_SIZE:])
+def _uncertain_pose(values: tuple[float, ...]) -> UncertainPose:
+    return UncertainPose(_pose(values[:POSE_SIZE]), values[POSE_SIZE:])
 
 
-def _odometry(header: HeaderValue, numbers: tuple[float, ...],
+def _odometry(header: HeaderValue, values: tuple[float, ...],
               texts: Sequence[str]) -> OdometryValue:
-    pose, twist = numbers[:POSE_SIZE + COVARIANCE_SIZE], numbers[POSE_SIZE + COVARIANCE_SIZE:]
+    pose, twist = values[:POSE_SIZE + COVARIANCE_SIZE], values[POSE_SIZE + COVARIANCE_SIZE:]
     return OdometryValue(header, texts[0], _uncertain_pose(pose),
                          UncertainTwist(_twist(twist[:TWIST_SIZE]), twist[TWIST_SIZE:]))
 
@@ -267,11 +267,11 @@ def _odometry(header: HeaderValue, numbers: tuple[float, ...],
 LAYOUTS = {
     OdometryMessage: _Layout(2, POSE_SIZE + TWIST_SIZE + 2 * COVARIANCE_SIZE, _odometry),
     PoseStamped: _Layout(
-        1, POSE_SIZE, lambda header, numbers, _: StampedPose(header, _pose(numbers))),
+        1, POSE_SIZE, lambda header, values, _: StampedPose(header, _pose(values))),
     PoseWithCovarianceStamped: _Layout(
         1, POSE_SIZE + COVARIANCE_SIZE,
-        lambda header, numbers, _: StampedPose(header, _uncertain_pose(numbers))),
+        lambda header, values, _: StampedPose(header, _uncertain_pose(values))),
     TwistStamped: _Layout(
-        1, TWIST_SIZE, lambda header, numbers, _: StampedTwist(header, _twist(numbers))),
-    TwistMessage: _Layout(0, TWIST_SIZE, lambda _header, numbers, _texts: _twist(numbers)),
+        1, TWIST_SIZE, lambda header, values, _: StampedTwist(header, _twist(values))),
+    TwistMessage: _Layout(0, TWIST_SIZE, lambda _header, values, _texts: _twist(values)),
 }

@@ -57,26 +57,26 @@ class _Link:
     def add(self, time: int, transform: RigidTransform) -> None:
         if self.is_static or (self.times and time < self.times[-1] - BACKWARDS):
             self.times, self.transforms = [], []
-        place = bisect.bisect_left(self.times, time)
-        if place < len(self.times) and self.times[place] == time:
-            self.transforms[place] = transform
+        index = bisect.bisect_left(self.times, time)
+        if index < len(self.times) and self.times[index] == time:
+            self.transforms[index] = transform
             return
-        self.times.insert(place, time)
-        self.transforms.insert(place, transform)
-        kept = bisect.bisect_left(self.times, self.times[-1] - HISTORY)
-        if kept:
-            del self.times[:kept], self.transforms[:kept]
+        self.times.insert(index, time)
+        self.transforms.insert(index, transform)
+        expired = bisect.bisect_left(self.times, self.times[-1] - HISTORY)
+        if expired:
+            del self.times[:expired], self.transforms[:expired]
 
     def at(self, time: int) -> RigidTransform:
         """Interpolate at a time within the history."""
         if self.is_static:
             return self.transforms[0]
-        place = bisect.bisect_left(self.times, time)
-        if self.times[place] == time:
-            return self.transforms[place]
-        before, after = self.times[place - 1], self.times[place]
-        return self.transforms[place - 1].interpolate(
-            self.transforms[place], (time - before) / (after - before))
+        index = bisect.bisect_left(self.times, time)
+        if self.times[index] == time:
+            return self.transforms[index]
+        before, after = self.times[index - 1], self.times[index]
+        return self.transforms[index - 1].interpolate(
+            self.transforms[index], (time - before) / (after - before))
 
 
 class _Path(NamedTuple):

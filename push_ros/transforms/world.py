@@ -205,8 +205,8 @@ class WorldFrame:
             return
         now = time.monotonic()
         waiting, self._waiting = self._waiting, []
-        left = [item for item in waiting if not self._hand_on(item, now)]
-        self._waiting = left + self._waiting
+        unsent = [item for item in waiting if not self._hand_on(item, now)]
+        self._waiting = unsent + self._waiting
 
     def _hand_on(self, waiting: _Waiting, now: float) -> bool:
         """Hand a message to its node, or refuse it; return False where it has to wait."""

@@ -190,7 +190,7 @@ class _Robot:
     def _step(self, observation: Observation, dt: float) -> Twist:
         supervisor = self._supervisor
         command = self._safety.guard(observation, supervisor,
-                                     lambda believed: supervisor.step(believed, dt),
+                                     lambda checked: supervisor.step(checked, dt),
                                      is_commanding=not supervisor.state.is_standing)
         if not supervisor.awaits_plan:
             return command

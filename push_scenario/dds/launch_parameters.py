@@ -130,9 +130,9 @@ def _start_apart(values: dict[str, Any]) -> dict[str, list[float]]:
     """Place the robot behind the object so that they do not touch."""
     obj: PushedObject = from_parameter_values(PushedObject, values, 'object.')
     robot: RoundRobot = from_parameter_values(RoundRobot, values, 'robot.')
-    reach = max(obj.radius, *(math.hypot(x, y) for x, y in obj.outline or ((0.0, 0.0),)))
+    extent = max(obj.radius, *(math.hypot(x, y) for x, y in obj.outline or ((0.0, 0.0),)))
     return {'object_start': [0.0, 0.0, 0.0],
-            'robot_start': [-(reach + robot.radius + START_CLEARANCE), 0.0, 0.0]}
+            'robot_start': [-(extent + robot.radius + START_CLEARANCE), 0.0, 0.0]}
 
 
 def _replace(sections: dict[str, dict[str, Any]], prefix: str, instance: Any,

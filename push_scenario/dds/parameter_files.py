@@ -49,8 +49,8 @@ def write_parameter_files(folder: Path, scenario: Scenario, settings: ControlSet
         lockstep=not real_time, publish_clock=real_time, enable_stamped_cmd_vel=stamped,
         answer_timeout=ANSWER_TIMEOUT if scenario.task is None else PLANNING_TIMEOUT,
         time_limit=scenario.time_limit + SETTLE_TIME + RESERVE, tape_path=str(tape_path),
-        object_start=_numbers(scenario.start.object.pose),
-        robot_start=_numbers(scenario.robot_start))
+        object_start=_values(scenario.start.object.pose),
+        robot_start=_values(scenario.robot_start))
     sections = {SIM: [*_sim_sections(scenario), ('', sim_options)],
                 PLANNER: _planner_sections(scenario),
                 CONTROLLER: [*_controller_sections(scenario, settings), ('', options)]}
@@ -83,7 +83,7 @@ def _nominal_sections(scenario: Scenario) -> list[Section]:
     return [('object.', scenario.object), ('robot.', scenario.robot), ('', Frames())]
 
 
-def _numbers(pose: Pose) -> tuple[float, float, float]:
+def _values(pose: Pose) -> tuple[float, float, float]:
     return pose.x, pose.y, pose.theta
 
 

@@ -104,14 +104,14 @@ class NodeProcesses:
                 raise NodeDied(f'{name} ended unexpectedly with {_status_text(status)}'
                                + self.log_tail(name))
 
-    def send(self, name: str, number: int) -> None:
+    def send(self, name: str, signum: int) -> None:
         """
         Send a signal to a node.
 
         :param name: of the node.
-        :param number: of the signal.
+        :param signum: of the signal.
         """
-        self._processes[name].send_signal(number)
+        self._processes[name].send_signal(signum)
 
     def stop(self, name: str) -> None:
         """
@@ -155,19 +155,19 @@ class NodeProcesses:
 
     def _kill(self, name: str) -> None:
         process = self._processes.pop(name)
-        for number, timeout in ((signal.SIGTERM, TERMINATION_TIMEOUT),
+        for signum, timeout in ((signal.SIGTERM, TERMINATION_TIMEOUT),
                                 (signal.SIGKILL, STOP_TIMEOUT)):
             if process.poll() is not None:
                 break
-            os.killpg(process.pid, number)
+            os.killpg(process.pid, signum)
             try:
                 process.wait(timeout)
             except subprocess.TimeoutExpired:
                 continue
 
 
-def _exit(number: int, _: FrameType | None) -> NoReturn:
-    sys.exit(128 + number)
+def _exit(signum: int, _: FrameType | None) -> NoReturn:
+    sys.exit(128 + signum)
 
 
 def _status_text(status: int) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 
 from push_ros.conversions.primitives import NANOSECONDS
 from push_ros.executor import take_message
-from push_ros.qos import KEPT_MESSAGES
+from push_ros.qos import QUEUE_DEPTH
 from push_ros.topics import interface_name, Topic, TOPICS
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
@@ -161,7 +161,7 @@ def stamp_of(topic: str, data: bytes, kind: type) -> int | None:
 
 def _subscriber_qos(entry: Topic) -> QoSProfile:
     latched = entry.publish_qos.durability == DurabilityPolicy.TRANSIENT_LOCAL
-    return QoSProfile(depth=KEPT_MESSAGES, reliability=entry.publish_qos.reliability,
+    return QoSProfile(depth=QUEUE_DEPTH, reliability=entry.publish_qos.reliability,
                       durability=entry.publish_qos.durability if latched
                       else DurabilityPolicy.VOLATILE)
 

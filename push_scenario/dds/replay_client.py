@@ -92,8 +92,8 @@ class ReplayClient:
         """List what has not been discovered yet: services, and subscribers of the goal."""
         # One subscriber more than the nodes: the recorder.
         expected = len(TOPICS['goal_pose'].subscribers) + ('goal_pose' in self.types)
-        found = self._publishers['goal_pose'].get_subscription_count()
-        subscribers = [f'{found} of {expected} subscribers of goal_pose'] * (found < expected)
+        count = self._publishers['goal_pose'].get_subscription_count()
+        subscribers = [f'{count} of {expected} subscribers of goal_pose'] * (count < expected)
         return subscribers + [f'service {name}' for name, client in self._clients.items()
                               if not client.service_is_ready()]
 

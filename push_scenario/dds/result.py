@@ -52,5 +52,7 @@ def _until_rest(tape: Tape, end: float) -> Tape:
         at_rest &= (speed < REST_SPEED) & (np.abs(tape[f'{body}_omega']) < REST_YAW_RATE)
     first = int(np.searchsorted(tape['time'], end, side='right')) + 1
     last = int(np.searchsorted(tape['time'], end + SETTLE_TIME, side='right'))
-    rest = np.flatnonzero(at_rest[first:last])
-    return Tape(tape.columns, tape.rows[:first + int(rest[0]) + 1 if len(rest) else last])
+    rest_rows = np.flatnonzero(at_rest[first:last])
+    if len(rest_rows):
+        last = first + int(rest_rows[0]) + 1
+    return Tape(tape.columns, tape.rows[:last])

@@ -118,12 +118,12 @@ def _scenario(data: dict[str, Any], name: str, at: Location, directory: Path | N
 
 def _with_true_base(data: dict[str, Any], at: Location, directory: Path | None) -> dict[str, Any]:
     """Merge the base that a scenario names into its true robot and the simulated drive."""
-    rest = {key: value for key, value in data.items() if key != 'true_base'}
+    scenario_data = {key: value for key, value in data.items() if key != 'true_base'}
     path = _file(data['true_base'], at.key('true_base'), FOLDER, directory)
     base = read_base(path)
-    true_robot = expect_mapping(rest.get('true_robot', {}), at.key('true_robot'))
-    simulation = expect_mapping(rest.get('simulation', {}), at.key('simulation'))
-    return {**rest, 'true_robot': merge(base['robot'], true_robot, at.key('true_robot')),
+    true_robot = expect_mapping(scenario_data.get('true_robot', {}), at.key('true_robot'))
+    simulation = expect_mapping(scenario_data.get('simulation', {}), at.key('simulation'))
+    return {**scenario_data, 'true_robot': merge(base['robot'], true_robot, at.key('true_robot')),
             'simulation': merge({'drive': base['drive']}, simulation, at.key('simulation'))}
 
 

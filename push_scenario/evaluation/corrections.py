@@ -63,9 +63,9 @@ def correcting_pushes(history: Sequence[StateChange], duration: float, tape: Tap
     """
     pushes = push_intervals(history, duration)
     times, poses = tape['time'], tape.poses('object')
-    for number, push in enumerate(pushes[1:], 1):
+    for index, push in enumerate(pushes[1:], 1):
         pose = Pose(*poses[min(int(np.searchsorted(times, push.start)), len(poses) - 1)].tolist())
         if (distance(pose, goal) <= MISS_DISTANCE
                 and abs(wrap_angle(pose.theta - goal.theta)) <= MISS_ANGLE):
-            return Corrections(len(pushes) - number, pushes[-1].end - pushes[number - 1].end)
+            return Corrections(len(pushes) - index, pushes[-1].end - pushes[index - 1].end)
     return Corrections(0, 0.0)

@@ -145,9 +145,9 @@ def report_notes(result: RunResult) -> Iterator[str]:
 def _aligned(lines: Sequence[Sequence[str]]) -> Iterator[str]:
     """Pad cells, the first two columns to the left, the others to the right; rule off the head."""
     widths = [max(len(line[column]) for line in lines) for column in range(len(lines[0]))]
-    for number, line in enumerate(lines):
+    for row, line in enumerate(lines):
         cells = [cell.ljust(width) if column < 2 else cell.rjust(width)
                  for column, (cell, width) in enumerate(zip(line, widths))]
         yield '  '.join(cells).rstrip()
-        if number == 0:
+        if row == 0:
             yield '-' * (sum(widths) + 2 * len(widths) - 2)

@@ -57,8 +57,8 @@ def draw_animation(results: Sequence[RunResult], path: str | PathLike[str]) -> N
     speed_up = end * FRAME_RATE / FRAMES
     writer = PillowWriter(fps=FRAME_RATE)
     with writer.saving(figure, str(path), DPI):
-        for number in range(FRAMES + FINAL_FRAMES):
-            time = min(end, end * number / FRAMES)
+        for frame in range(FRAMES + FINAL_FRAMES):
+            time = min(end, end * frame / FRAMES)
             for panel in panels:
                 panel.show(time)
             clock.set_text(f't = {time:4.1f} s   ({speed_up:.1f} x real time)')

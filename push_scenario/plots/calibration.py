@@ -86,6 +86,6 @@ def _table(axes: Axes, calibration: BaseCalibration) -> None:
     lines += [(f'! {finding.sentence}', WARNING) for finding in faults] or [
         ('nothing is wrong', GOAL)]
     step = min(LINE_HEIGHT, 1.0 / len(lines))
-    for number, (text, color) in enumerate(lines):
-        axes.text(0.0, 1.0 - number * step, text, va='top', color=color,
+    for row, (text, color) in enumerate(lines):
+        axes.text(0.0, 1.0 - row * step, text, va='top', color=color,
                   fontsize=FONT_SIZE * step / LINE_HEIGHT, transform=axes.transAxes)

@@ -189,9 +189,9 @@ def draw_goals(axes: Axes, scenario: Scenario, time: float = math.inf) -> list[A
     :param time: now; goals that are given later are left out [s].
     :return: the artists.
     """
-    *former, valid = goal_poses(scenario, time)
+    *previous, valid = goal_poses(scenario, time)
     artists: list[Artist] = []
-    for pose in former:
+    for pose in previous:
         artists += draw_object(axes, scenario.object, pose, facecolor='none', edgecolor=GOAL,
                                linewidth=1.2, linestyle=DASHED_GOAL, alpha=0.6, zorder=5)
     artists += draw_object(axes, scenario.object, valid, facecolor='none', edgecolor=GOAL,

@@ -65,8 +65,8 @@ def draw_figure(results: Sequence[RunResult], path: str | PathLike[str]) -> None
         _position_error, _heading_error, _pushing_angle, _force_angle]
     if _map_of(results[0]) is not None:
         strips.append(_clearances)
-    columns = [[figure.add_axes((0.0, 0.0, 1.0, 1.0), label=f'{row} of {number}')
-                for row in range(1 + len(strips))] for number in range(len(results))]
+    columns = [[figure.add_axes((0.0, 0.0, 1.0, 1.0), label=f'{row} of {column}')
+                for row in range(1 + len(strips))] for column in range(len(results))]
     footer = [figure.add_axes((0.0, 0.0, 1.0, 1.0), label=name) for name in ('friction', 'legend')]
     aspects: list[float] = []
     for result, (scene, *axes) in zip(results, columns):
@@ -128,8 +128,8 @@ def _lay_out(figure: Figure, columns: Sequence[Sequence[Axes]], footer: Sequence
                          size[1] / height))
 
     top = TOP
-    for number, column in enumerate(columns):
-        left, top = LEFT + number * (LEFT + column_width + RIGHT), TOP
+    for index, column in enumerate(columns):
+        left, top = LEFT + index * (LEFT + column_width + RIGHT), TOP
         for ax, ax_height, gap in zip(column, heights, gaps):
             place(ax, left, top, (column_width, ax_height))
             top += ax_height + gap
@@ -209,9 +209,9 @@ def _strip(axes: Axes, result: RunResult, draw: Callable[[Axes, RunResult], None
 def _pose_errors(result: RunResult) -> FloatArray:
     """Pose of the object minus the goal that is valid at the time, shape (n, 3)."""
     tape, task = tape_of(result), result.scenario.task
-    given = [later.time for later in task.goals] if task is not None else []
+    goal_times = [later.time for later in task.goals] if task is not None else []
     goals = np.array(goal_poses(result.scenario))
-    return tape.poses('object') - goals[np.searchsorted(given, tape['time'], side='right')]
+    return tape.poses('object') - goals[np.searchsorted(goal_times, tape['time'], side='right')]
 
 
 def _position_error(axes: Axes, result: RunResult) -> None:

@@ -61,14 +61,14 @@ def read_tracks(bag: Path, topics: tuple[str, ...]) -> tuple[Track, ...]:
     :raises ValueError: where the folder is no recording, or a topic is missing or of another type.
     :raises RuntimeError: where rosbags is not installed.
     """
-    found: dict[str, list[tuple[float, ...]]] = {topic: [] for topic in topics}
+    rows: dict[str, list[tuple[float, ...]]] = {topic: [] for topic in topics}
     with open_bag(bag) as reader:
         connections = [_connection(reader, topic) for topic in topics]
         for connection, _, data in reader.messages(connections=connections):
             message = reader.deserialize(data, connection.msgtype)
             name = next(topic for topic in topics if _same(topic, connection.topic))
-            found[name].append(_row(message))
-    return tuple(_track(topic, rows) for topic, rows in found.items())
+            rows[name].append(_row(message))
+    return tuple(_track(topic, poses) for topic, poses in rows.items())
 
 
 def _same(topic: str, other: str) -> bool:

@@ -58,9 +58,9 @@ def _identify(options: argparse.Namespace) -> None:
     robot_track, object_track = read_tracks(options.bag, (options.odom, options.object_pose))
     pushes = split_pushes(obj, robot, robot_track, object_track)
     print(f'recorded pushes: {len(pushes)}', file=sys.stderr)
-    found = identify(obj, robot.radius, pushes)
-    options.out.write_text(object_file(found, options.bag.name), encoding='utf-8')
-    print('\n'.join([*summary(found), f'written: {options.out}']))
+    identification = identify(obj, robot.radius, pushes)
+    options.out.write_text(object_file(identification, options.bag.name), encoding='utf-8')
+    print('\n'.join([*summary(identification), f'written: {options.out}']))
 
 
 if __name__ == '__main__':

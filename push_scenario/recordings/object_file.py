@@ -11,33 +11,33 @@ import yaml
 DIGITS = 6
 
 
-def object_file(found: Identification, source: str) -> str:
+def object_file(result: Identification, source: str) -> str:
     """
     Write an object file.
 
-    :param found: of a recording.
+    :param result: of a recording.
     :param source: what was recorded, for the comment.
     :return: YAML, as ``read_object`` takes it, the intervals as comments.
     """
-    lines = [f'# Identified from {found.pushes} pushes of {source}, 95 % intervals:',
-             *(f'# {line}' for line in summary(found))]
-    return '\n'.join(lines) + '\n' + yaml.safe_dump(_fields(found.object), sort_keys=False,
+    lines = [f'# Identified from {result.pushes} pushes of {source}, 95 % intervals:',
+             *(f'# {line}' for line in summary(result))]
+    return '\n'.join(lines) + '\n' + yaml.safe_dump(_fields(result.object), sort_keys=False,
                                                     default_flow_style=None)
 
 
-def summary(found: Identification) -> list[str]:
+def summary(result: Identification) -> list[str]:
     """
     State what was identified.
 
-    :param found: of a recording.
+    :param result: of a recording.
     :return: lines.
     """
-    return [f'centre of friction x {_text(found.friction_center_x)} m',
-            f'centre of friction y {_text(found.friction_center_y)} m',
-            f'c^2 over the nominal one {_text(found.c_squared_ratio)}',
-            f'contact friction {_text(found.contact_friction)} '
-            f'(contact slid in {found.sliding} of {found.pushes} pushes)',
-            f'ends of the pushes are off by {1e3 * found.sigma:.1f} mm (standard deviation)']
+    return [f'centre of friction x {_text(result.friction_center_x)} m',
+            f'centre of friction y {_text(result.friction_center_y)} m',
+            f'c^2 over the nominal one {_text(result.c_squared_ratio)}',
+            f'contact friction {_text(result.contact_friction)} '
+            f'(contact slid in {result.sliding} of {result.pushes} pushes)',
+            f'ends of the pushes are off by {1e3 * result.sigma:.1f} mm (standard deviation)']
 
 
 def _text(interval: Interval) -> str:

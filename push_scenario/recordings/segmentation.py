@@ -17,7 +17,7 @@ MOVING = 0.008
 MAX_PAUSE = 0.5
 MIN_DISPLACEMENT = 0.02
 # Rest over which the pose before and after is averaged [s]. Chosen: twenty poses or more.
-REST = 1.0
+REST_DURATION = 1.0
 
 
 def split_pushes(obj: PushedObject, robot: RoundRobot, robot_track: Track,
@@ -35,13 +35,13 @@ def split_pushes(obj: PushedObject, robot: RoundRobot, robot_track: Track,
     shape, size = Shape.of(obj), _size(obj)
     moving = _is_moving(object_track, size)
     pushes: list[RecordedPush] = []
-    for begin, end in _intervals(object_track.times, moving):
-        start, last = (_rest_pose(object_track, *span)
-                       for span in ((begin - REST, begin), (end, end + REST)))
+    for begun, ended in _intervals(object_track.times, moving):
+        start = _rest_pose(object_track, begun - REST_DURATION, begun)
+        last = _rest_pose(object_track, ended, ended + REST_DURATION)
         displacement = np.hypot(*(last - start)[:2]) + size * abs(last[2] - start[2])
         if displacement < MIN_DISPLACEMENT:
             continue
-        path = _between(robot_track, begin - WINDOW, end)
+        path = _between(robot_track, begun - WINDOW, ended)
         pushes.append(RecordedPush(start, last,
                                    touching_path(shape, robot.radius, last, path, -1)))
     return pushes
@@ -66,25 +66,25 @@ def _is_moving(track: Track, size: float) -> NDArray[np.bool_]:
 
 
 def _intervals(times: FloatArray, moving: NDArray[np.bool_]) -> list[tuple[float, float]]:
-    """List begin and end of each motion, pauses bridged [s]."""
-    found: list[tuple[float, float]] = []
+    """List start and end of each motion, pauses bridged [s]."""
+    intervals: list[tuple[float, float]] = []
     for time in times[moving]:
-        if found and time - found[-1][1] <= MAX_PAUSE:
-            found[-1] = found[-1][0], float(time)
+        if intervals and time - intervals[-1][1] <= MAX_PAUSE:
+            intervals[-1] = intervals[-1][0], float(time)
         else:
-            found.append((float(time), float(time)))
-    return found
+            intervals.append((float(time), float(time)))
+    return intervals
 
 
-def _rest_pose(track: Track, begin: float, end: float) -> FloatArray:
-    rows = (track.times >= begin) & (track.times <= end)
+def _rest_pose(track: Track, start: float, end: float) -> FloatArray:
+    rows = (track.times >= start) & (track.times <= end)
     if not rows.any():
         return track.poses[int(np.argmin(np.abs(track.times - end)))]
     return np.median(track.poses[rows], axis=0)
 
 
-def _between(track: Track, begin: float, end: float) -> FloatArray:
+def _between(track: Track, start: float, end: float) -> FloatArray:
     """Return the poses between two times, with those at the times themselves."""
-    rows = (track.times > begin) & (track.times < end)
-    times = np.concatenate([[begin], track.times[rows], [end]])
+    rows = (track.times > start) & (track.times < end)
+    times = np.concatenate([[start], track.times[rows], [end]])
     return np.column_stack([np.interp(times, track.times, column) for column in track.poses.T])

@@ -230,4 +230,4 @@ class ClosedLoop:
         """Command the robot, through the safety layer."""
         robot = self._robot
         self._simulation.command(self._safety.guard(
-            self._observation, robot, lambda believed: robot.step(believed, dt)))
+            self._observation, robot, lambda checked: robot.step(checked, dt)))

@@ -9,7 +9,7 @@ from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectPose, Odometry
 from push_ros.conversions.markers import MarkerHeader, scene_markers
-from push_ros.conversions.measurements import to_wrench_message, VARIANCE_PLACES
+from push_ros.conversions.measurements import to_wrench_message, VARIANCE_INDICES
 from push_ros.conversions.primitives import exact_stamp, NANOSECONDS, to_quaternion
 from push_ros.conversions.serialized import serialize_object_pose, serialize_odometry
 from push_ros.node import PushNode, RateLimiter
@@ -244,8 +244,8 @@ def twist_covariance(sensors: SensorSettings) -> list[float]:
     :return: covariance of (x, y, z, roll, pitch, yaw) in the axes of the robot, by rows.
     """
     covariance = [0.0] * 36
-    for axis, place in VARIANCE_PLACES.items():
+    for axis, index in VARIANCE_INDICES.items():
         deviation = (sensors.odometry_yaw_rate_noise if axis == 'yaw'
                      else sensors.odometry_speed_noise)
-        covariance[place] = max(deviation, MIN_DEVIATION) ** 2
+        covariance[index] = max(deviation, MIN_DEVIATION) ** 2
     return covariance
