@@ -8,7 +8,7 @@ from typing import Sequence
 from studies.framework.runner import StudyResult
 from studies.framework.study import Table
 
-BEGIN = '<!-- gallery -->'
+START = '<!-- gallery -->'
 END = '<!-- end -->'
 # Chapter -> heading of its part of the page.
 HEADINGS = {
@@ -54,13 +54,13 @@ def insert(text: str, gallery: str) -> str:
     """
     Insert a gallery between the marks of a page.
 
-    :param text: page with the lines ``BEGIN`` and ``END``.
+    :param text: page with the lines ``START`` and ``END``.
     :param gallery: of ``page``.
     :return: the page, with the gallery in place of what was between the marks.
     :raises ValueError: where a mark is missing.
     """
-    head, begin, rest = text.partition(BEGIN)
-    _, end, tail = rest.partition(END)
-    if not (begin and end):
-        raise ValueError(f'gallery: got a page without the lines {BEGIN} and {END}')
-    return f'{head}{BEGIN}\n\n{gallery}\n{END}{tail}'
+    head, start, after = text.partition(START)
+    _, end, tail = after.partition(END)
+    if not (start and end):
+        raise ValueError(f'gallery: got a page without the lines {START} and {END}')
+    return f'{head}{START}\n\n{gallery}\n{END}{tail}'

@@ -85,14 +85,14 @@ def force_tolerances(obj: PushedObject, contact: Contact,
         return cone - abs(math.atan2(tangential, normal))
 
     result: list[Tolerance] = []
-    for found in tolerances(location, equilibrium_at(location, 0.0),
-                            obj.contact_friction_coefficient):
+    for tolerance in tolerances(location, equilibrium_at(location, 0.0),
+                                obj.contact_friction_coefficient):
         # Just inside: at the end of a face rounding may put the contact beyond it.
-        furthest = found.rotation * (1.0 - ACCURACY)
-        if found.rotation and reserve(furthest) < 0.0:
+        furthest = tolerance.rotation * (1.0 - ACCURACY)
+        if tolerance.rotation and reserve(furthest) < 0.0:
             rotation = cast(float, brentq(reserve, 0.0, furthest, xtol=ACCURACY))
-            found = Tolerance(rotation, -location.rolling.normal_ratio * rotation, 'cone')
-        result.append(found)
+            tolerance = Tolerance(rotation, -location.rolling.normal_ratio * rotation, 'cone')
+        result.append(tolerance)
     return tuple(result)
 
 

@@ -120,10 +120,10 @@ def equilibria(location: PushingLocation) -> list[Equilibrium]:
 
     rotations = np.linspace(low, high, SAMPLES)
     sides = location.friction_center(rotations)[1]
-    found = set(rotations[sides == 0.0].tolist())
-    found |= {brentq(lateral, rotations[i], rotations[i + 1], xtol=1e-14)
-              for i in np.flatnonzero(sides[:-1] * sides[1:] < 0.0)}
-    return [equilibrium_at(location, rotation) for rotation in sorted(found)
+    rotations_at_rest = set(rotations[sides == 0.0].tolist())
+    rotations_at_rest |= {brentq(lateral, rotations[i], rotations[i + 1], xtol=1e-14)
+                          for i in np.flatnonzero(sides[:-1] * sides[1:] < 0.0)}
+    return [equilibrium_at(location, rotation) for rotation in sorted(rotations_at_rest)
             if location.friction_center(rotation)[0] > 0.0]
 
 

@@ -36,9 +36,9 @@ def steady_yaw_rate(obj: PushedObject, contact_point: Coordinates, direction: fl
     :raises ValueError: for a push away from the mass centre, which holds no steady turn.
     """
     terms = ObjectTerms.of(obj)
-    ahead = ((terms.com_x - contact_point[0]) * math.cos(direction)
+    lever = ((terms.com_x - contact_point[0]) * math.cos(direction)
              + (terms.com_y - contact_point[1]) * math.sin(direction))
-    if ahead <= 0.0:
+    if lever <= 0.0:
         raise ValueError(f'direction: got {direction:g} rad, which leads away from the mass '
                          'centre, expected one within 90 degrees of it')
 

@@ -200,9 +200,9 @@ def _holding(push_at: Callable[[float], SteadyPush | None], ends: tuple[float, f
              reserve: Callable[[SteadyPush | None], float]) -> list[SteadyPush]:
     """List the sampled pushes that hold, and those where holding begins and ends."""
     samples = np.linspace(*ends, SAMPLES)
-    left = np.array([reserve(push_at(sample)) for sample in samples])
+    reserves = np.array([reserve(push_at(sample)) for sample in samples])
     edges = [cast(float, brentq(lambda at: reserve(push_at(at)), samples[i], samples[i + 1],
                                 xtol=1e-10))
-             for i in np.flatnonzero((left[:-1] < 0.0) != (left[1:] < 0.0))]
-    found = map(push_at, [*samples[left >= 0.0], *edges])
-    return [push for push in found if push is not None]
+             for i in np.flatnonzero((reserves[:-1] < 0.0) != (reserves[1:] < 0.0))]
+    pushes = map(push_at, [*samples[reserves >= 0.0], *edges])
+    return [push for push in pushes if push is not None]

@@ -53,10 +53,10 @@ def integrate(obj: PushedObject, rolling: Rolling, push: Push, start: Iterable[A
     rate, force = np.zeros(len(STATE)), np.zeros(2)
     # The function reads and writes these arrays in place.
     buffer, evaluate = function.buffer()
-    for number, array in enumerate((state, inputs)):
-        buffer.set_arg(number, array.data)
-    for number, array in enumerate((rate, force)):
-        buffer.set_res(number, array.data)
+    for index, array in enumerate((state, inputs)):
+        buffer.set_arg(index, array.data)
+    for index, array in enumerate((rate, force)):
+        buffer.set_res(index, array.data)
 
     def slope(time: float, at: FloatArray) -> FloatArray:
         state[:] = at
@@ -160,7 +160,7 @@ def push_at_angles(obj: PushedObject, contact: Contact, angles: Iterable[float],
     rolling, terms = (1.0, robot_radius), ObjectTerms.of(obj)
     normal = start.theta + face_normal(obj, contact.index)
     state = State(*start, 0.0, normal, *contact_point(obj, contact))
-    begin = 0.0
+    start_time = 0.0
     before = 0.0, 0.0
     times: list[FloatArray] = []
     states: list[FloatArray] = []
@@ -171,16 +171,16 @@ def push_at_angles(obj: PushedObject, contact: Contact, angles: Iterable[float],
         d_omega, j_n, j_t = impulse(terms, state, velocity[0] - before[0],
                                     velocity[1] - before[1])
         state = state._replace(omega=state.omega + float(d_omega))
-        impulses.append((begin, float(j_n), float(j_t)))
+        impulses.append((start_time, float(j_n), float(j_t)))
         push = _constant_angle_push(angle, speed)
         count = 2 + math.ceil(length / SPACING)
         elapsed = np.linspace(0.0, length / speed, count, dtype=np.float64)
-        _, found = integrate(obj, rolling, push, state, elapsed)
-        times.append(begin + elapsed)
-        states.append(found)
-        forces.append(_contact_forces(obj, rolling, push, found))
-        state = State(*found[-1])
-        begin += float(elapsed[-1])
+        _, integrated = integrate(obj, rolling, push, state, elapsed)
+        times.append(start_time + elapsed)
+        states.append(integrated)
+        forces.append(_contact_forces(obj, rolling, push, integrated))
+        state = State(*integrated[-1])
+        start_time += float(elapsed[-1])
         before = _contact_velocity(state, angle, speed)
     return IntegratedPush(np.concatenate(times), np.concatenate(states), np.concatenate(forces),
                           np.array(impulses))

@@ -48,15 +48,15 @@ def extreme_objects(obj: PushedObject) -> tuple[PushedObject, ...]:
     """
     if len(obj.supports) <= 3:
         return (obj,)
-    found: list[PushedObject] = []
+    objects: list[PushedObject] = []
     for supports in itertools.combinations(obj.supports, 3):
         try:
-            found.append(dataclasses.replace(obj, supports=tuple(
+            objects.append(dataclasses.replace(obj, supports=tuple(
                 dataclasses.replace(support, load_fraction=0.0) for support in supports)))
         except ValueError:
             # The mass centre lies outside of this triangle.
             continue
-    return tuple(found)
+    return tuple(objects)
 
 
 def unknown_loads(obj: PushedObject, contact_point: Coordinates) -> UnknownLoads:

@@ -65,13 +65,13 @@ def draw(figure: Figure, outcome: Outcome, _: Values) -> None:
     axes.set_xlim(0.0, 1.0)
     _write_row(axes, list(table), 0, plot_style.GREY)
     axes.axhline(0.5, color=plot_style.GREY, linewidth=0.8)
-    for number, row in enumerate(rows, 1):
-        _write_row(axes, row, number, plot_style.INK)
+    for row_index, row in enumerate(rows, 1):
+        _write_row(axes, row, row_index, plot_style.INK)
 
 
-def _write_row(axes: Axes, texts: Sequence[str], number: int, color: str) -> None:
+def _write_row(axes: Axes, texts: Sequence[str], row_index: int, color: str) -> None:
     for x, text in zip(COLUMNS, texts):
-        axes.text(x, number, text.replace('_', ' ') if '$' not in text else text, color=color,
+        axes.text(x, row_index, text.replace('_', ' ') if '$' not in text else text, color=color,
                   va='center')
 
 

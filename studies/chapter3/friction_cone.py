@@ -38,15 +38,15 @@ class Forces(NamedTuple):
     impulses: Table
 
 
-def contact_forces(found: Plan, speed: float) -> Forces:
+def contact_forces(plan: Plan, speed: float) -> Forces:
     """
     Integrate a plan of a point robot independently, with its contact forces.
 
-    :param found: the plan.
+    :param plan: ``Plan`` in constant pushing angles.
     :param speed: of the contact [m/s].
     :return: angles over time.
     """
-    inputs, problem = input_table(found), found.problem
+    inputs, problem = input_table(plan), plan.problem
     run = push_at_angles(problem.obj, problem.contact, inputs['rho_rad'],
                          inputs['end_m'] - inputs['begin_m'], speed)
     times, normal, tangential = run.impulses.T
@@ -60,11 +60,11 @@ def contact_forces(found: Plan, speed: float) -> Forces:
 def compute(values: Values, _: RunJobs) -> Outcome:
     """Plan one push that keeps its pushing angles in the friction cone."""
     cone = math.atan(values.contact_friction)
-    found = plan_push(push_problem(values, values.speed, values.segments, angle_limit='angle',
-                                   max_pushing_angle=cone, cone_margin=1.0))
-    inputs, force, impulses = contact_forces(found, values.speed)
+    plan = plan_push(push_problem(values, values.speed, values.segments, angle_limit='angle',
+                                  max_pushing_angle=cone, cone_margin=1.0))
+    inputs, force, impulses = contact_forces(plan, values.speed)
     is_outside = np.abs(impulses['angle_rad']) > cone
-    return Outcome({'path': path_table(found.trajectory), 'inputs': inputs, 'force': force,
+    return Outcome({'path': path_table(plan.trajectory), 'inputs': inputs, 'force': force,
                     'impulses': impulses}, {
         'cone': Finding(cone, 'rad', 'half-angle of the friction cone'),
         'push': Finding(float(np.abs(inputs['rho_rad']).max() / cone), '', 'greatest pushing '
@@ -76,7 +76,7 @@ def compute(values: Values, _: RunJobs) -> Outcome:
         'outside': Finding(float(is_outside[1:].sum()), '', 'switches whose impulse lies outside '
                            'the cone'),
         'switches': Finding(float(len(is_outside) - 1), '', 'switches of the pushing angle'),
-        'blend': Finding(CENTIMETRES * found.report['longest_blend'], 'cm', 'longest distance '
+        'blend': Finding(CENTIMETRES * plan.report['longest_blend'], 'cm', 'longest distance '
                          'over which a switch must be spread for the contact to hold')})
 
 
@@ -85,9 +85,9 @@ def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
     above, below = figure.subplots(2, 1, height_ratios=(1.4, 1.0))
     path, inputs, force, impulses = (outcome.tables[name]
                                      for name in ('path', 'inputs', 'force', 'impulses'))
-    cone, begins = outcome.findings['cone'].value, inputs['begin_s']
-    draw_outlines(above, box(values), poses_at(path, [*begins, path['time_s'][-1]]))
-    for time, angle in zip(begins, inputs['rho_rad']):
+    cone, starts = outcome.findings['cone'].value, inputs['begin_s']
+    draw_outlines(above, box(values), poses_at(path, [*starts, path['time_s'][-1]]))
+    for time, angle in zip(starts, inputs['rho_rad']):
         _draw_cone(above, path, time, cone)
         draw_push(above, path, time, angle)
     set_plane(above)

@@ -27,8 +27,8 @@ PARAMETERS = (*SETUP, SPEED, Parameter('robot_radius', 'm', 'radius of the robot
 
 def compute(values: Values, _: RunJobs) -> Outcome:
     """Plan the push, and find the poses at its switches."""
-    found = plan_push(push_problem(values, values.speed, SEGMENTS, radius=values.robot_radius))
-    inputs, path = input_table(found), path_table(found.trajectory)
+    plan = plan_push(push_problem(values, values.speed, SEGMENTS, radius=values.robot_radius))
+    inputs, path = input_table(plan), path_table(plan.trajectory)
     times = np.append(inputs['begin_s'], inputs['end_s'][-1])
     switches = {name: np.interp(times, path['time_s'], column) for name, column in path.items()}
     travel = contact_on_face(path)
@@ -40,7 +40,7 @@ def compute(values: Values, _: RunJobs) -> Outcome:
         'rotation': Finding(float(path['theta_rad'][-1]), 'rad', 'rotation of the box'),
         'travel': Finding(1e3 * float(travel[-1] - travel[0]), 'mm', 'travel of the contact along '
                           'the face, to the left'),
-        'miss': Finding(verify(found).position_error, 'm', 'distance from the goal, integrated '
+        'miss': Finding(verify(plan).position_error, 'm', 'distance from the goal, integrated '
                         'independently')})
 
 
@@ -52,19 +52,19 @@ def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
     axes.plot(path['x_m'], path['y_m'], zorder=3.0, **plot_style.series(0))
     poses = [Pose(*row) for row in zip(*(switches[name] for name in POSE_COLUMNS))]
     last = len(poses) - 1
-    for number, pose in enumerate(poses):
-        sketch.pushed_object(axes, obj, pose, ghost=number == last)
+    for index, pose in enumerate(poses):
+        sketch.pushed_object(axes, obj, pose, ghost=index == last)
         sketch.point(axes, pose[:2], color=sketch.FORCE)
-        if number < last:
-            _draw_push(axes, switches, number, inputs['rho_rad'][number], values.robot_radius)
+        if index < last:
+            _draw_push(axes, switches, index, inputs['rho_rad'][index], values.robot_radius)
     for pose, text in ((poses[0], 'start'), (poses[last], 'goal')):
         sketch.label(axes, pose.transform((0.0, 0.5 * values.box_width)), text,
                      math.degrees(pose.theta) + 90.0, gap=12.0)
 
 
-def _draw_push(axes: Axes, switches: Table, number: int, rho: float, radius: float) -> None:
-    contact = switches['contact_x_m'][number], switches['contact_y_m'][number]
-    normal = switches['normal_rad'][number]
+def _draw_push(axes: Axes, switches: Table, index: int, rho: float, radius: float) -> None:
+    contact = switches['contact_x_m'][index], switches['contact_y_m'][index]
+    normal = switches['normal_rad'][index]
     sketch.line(axes, sketch.polar(normal, -NORMAL_LENGTH, contact), contact)
     if radius > 0.0:
         sketch.robot(axes, sketch.polar(normal, -radius, contact), radius)
@@ -74,9 +74,9 @@ def _draw_push(axes: Axes, switches: Table, number: int, rho: float, radius: flo
     backwards = normal + math.pi
     sketch.angle(axes, contact, ARC_RADIUS, (backwards, backwards + rho), '', color=sketch.PUSH)
     # The label is behind the arrow, a little off the arc [rad].
-    aside = math.copysign(0.7, rho)
-    sketch.label(axes, tail, f'$\\rho_{number + 1}$',
-                 math.degrees(normal + rho + math.pi + aside), gap=9.0, color=sketch.PUSH)
+    offset = math.copysign(0.7, rho)
+    sketch.label(axes, tail, f'$\\rho_{index + 1}$',
+                 math.degrees(normal + rho + math.pi + offset), gap=9.0, color=sketch.PUSH)
     sketch.point(axes, contact, color=plot_style.INK)
 
 

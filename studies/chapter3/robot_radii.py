@@ -24,10 +24,10 @@ def compute(values: Values, _: RunJobs) -> Outcome:
     tables: dict[str, Table] = {}
     rows: list[tuple[float, ...]] = []
     for radius, name in zip(values.radii, _names(values)):
-        found, path, inputs = plan_rolling(values, radius)
+        plan, path, inputs = plan_rolling(values, radius)
         tables[f'path_{name}'], tables[f'inputs_{name}'] = path, inputs
         rotations = path['theta_rad']
-        rows.append((radius, found.trajectory.duration, float(rotations.max()),
+        rows.append((radius, plan.trajectory.duration, float(rotations.max()),
                      float(rotations.min()), float(np.abs(path['along_face_m']).max()),
                      float(inputs['rho_rad'][0])))
     table = tables['robots'] = dict(zip(COLUMNS, map(np.array, zip(*rows))))

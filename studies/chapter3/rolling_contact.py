@@ -48,26 +48,26 @@ def plan_rolling(values: Values, radius: float) -> RollingPush:
     :param radius: of the robot [m].
     :return: plan and tables.
     """
-    found = _plan(push_problem(values, values.speed, values.segments, radius=radius))
-    path = path_table(found.trajectory)
+    plan = _plan(push_problem(values, values.speed, values.segments, radius=radius))
+    path = path_table(plan.trajectory)
     path['along_face_m'] = contact_on_face(path)
-    return RollingPush(found, path, input_table(found))
+    return RollingPush(plan, path, input_table(plan))
 
 
 def compute(values: Values, _: RunJobs) -> Outcome:
     """Plan the push of one robot, and that of a point for comparison."""
-    found, path, inputs = plan_rolling(values, values.robot_radius)
+    plan, path, inputs = plan_rolling(values, values.robot_radius)
     point = plan_push(push_problem(values, values.speed, values.segments))
     return Outcome({'path': path, 'inputs': inputs}, {
-        'duration': Finding(found.trajectory.duration, 's', 'duration of the push'),
+        'duration': Finding(plan.trajectory.duration, 's', 'duration of the push'),
         'rotation': Finding(float(path['theta_rad'][-1]), 'rad', 'rotation of the box'),
         'travel': Finding(MILLIMETRES * float(path['along_face_m'][-1]), 'mm', 'travel of the '
                           'contact along the face, to the left'),
-        'usage': Finding(found.report['cone_usage'], '', 'greatest angle of the contact force, '
+        'usage': Finding(plan.report['cone_usage'], '', 'greatest angle of the contact force, '
                          'as a fraction of what the plan may use'),
         'first': Finding(float(inputs['rho_rad'][0]), 'rad', 'first pushing angle'),
         'first_of_point': Finding(point.pushing_angles[0][0], 'rad', 'the same of a point robot'),
-        'miss': Finding(verify(found).position_error, 'm', 'distance from the goal, integrated '
+        'miss': Finding(verify(plan).position_error, 'm', 'distance from the goal, integrated '
                         'independently')})
 
 

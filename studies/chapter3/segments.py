@@ -23,11 +23,11 @@ COLOR = plot_style.SERIES[0][0]
 
 def compute(values: Values, _: RunJobs) -> Outcome:
     """Plan one push."""
-    found = plan_push(push_problem(values, values.speed, values.segments))
-    verification, inputs = verify(found), input_table(found)
-    detour = found.report['over_displacement_bound'] - 1.0
-    return Outcome({'path': path_table(found.trajectory), 'inputs': inputs}, {
-        'duration': Finding(found.trajectory.duration, 's', 'duration of the push'),
+    plan = plan_push(push_problem(values, values.speed, values.segments))
+    verification, inputs = verify(plan), input_table(plan)
+    detour = plan.report['over_displacement_bound'] - 1.0
+    return Outcome({'path': path_table(plan.trajectory), 'inputs': inputs}, {
+        'duration': Finding(plan.trajectory.duration, 's', 'duration of the push'),
         'distance': Finding(float(inputs['end_m'][-1]), 'm', 'distance travelled by the contact'),
         'detour': Finding(PERCENT * detour, '%',
                           'duration above that of the straight displacement of the contact'),
@@ -45,10 +45,10 @@ def compute_counts(values: Values, _: RunJobs) -> Outcome:
     distances: list[float] = []
     paths: list[FloatArray] = []
     for count in values.segment_counts:
-        found = plan_push(push_problem(values, values.speed, count))
-        path = tables[f'path_{count}'] = path_table(found.trajectory)
-        tables[f'inputs_{count}'] = input_table(found)
-        distances.append(float(found.segment_ends[-1]))
+        plan = plan_push(push_problem(values, values.speed, count))
+        path = tables[f'path_{count}'] = path_table(plan.trajectory)
+        tables[f'inputs_{count}'] = input_table(plan)
+        distances.append(float(plan.segment_ends[-1]))
         paths.append(np.column_stack([path['x_m'], path['y_m']]))
     durations = np.array(distances) / values.speed
     lost = PERCENT * (durations / durations[-1] - 1.0)
@@ -74,8 +74,8 @@ def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
     duration = path['time_s'][-1]
     draw_outlines(above, box(values), poses_at(path, np.linspace(0.0, duration, OUTLINES)))
     draw_center(above, path, color=COLOR)
-    for begin, angle in zip(inputs['begin_s'], inputs['rho_rad']):
-        draw_push(above, path, begin, angle)
+    for start, angle in zip(inputs['begin_s'], inputs['rho_rad']):
+        draw_push(above, path, start, angle)
     draw_inputs(below, inputs, 's', color=COLOR)
     below.set_xlim(0.0, duration)
     above.set_title('(a) trajectory of the object', loc='left')
@@ -89,8 +89,8 @@ def compute_smooth(values: Values, _: RunJobs) -> Outcome:
     steps = plan_push(push_problem(values, values.speed, values.segments))
     inputs = input_table(steps)
     # Each segment of the smooth angle leads from one angle to another: both of its ends.
-    begins = np.concatenate([[0.0], smooth.segment_ends[:-1]])
-    course = {'distance_m': np.column_stack([begins, smooth.segment_ends]).ravel(),
+    starts = np.concatenate([[0.0], smooth.segment_ends[:-1]])
+    course = {'distance_m': np.column_stack([starts, smooth.segment_ends]).ravel(),
               'rho_rad': np.array(smooth.pushing_angles).ravel()}
     middles = 0.5 * (inputs['begin_m'] + inputs['end_m'])
     from_smooth = inputs['rho_rad'] - np.interp(middles, course['distance_m'], course['rho_rad'])
@@ -120,11 +120,11 @@ def draw_counts(figure: Figure, outcome: Outcome, values: Values) -> None:
     paths_panel, inputs_panel, lost_panel = panels['A'], panels['B'], panels['C']
     paths = [outcome.tables[f'path_{count}'] for count in counts]
     draw_outlines(paths_panel, box(values), poses_at(paths[-1], paths[-1]['time_s'][[0, -1]]))
-    for number, count in enumerate(counts):
-        style = plot_style.nested_series(number, len(counts), 1.1)
-        draw_center(paths_panel, paths[number], label=f'{count} segments', **style)
+    for index, count in enumerate(counts):
+        style = plot_style.nested_series(index, len(counts), 1.1)
+        draw_center(paths_panel, paths[index], label=f'{count} segments', **style)
         draw_inputs(inputs_panel, outcome.tables[f'inputs_{count}'],
-                    color=style['color'], linewidth=2.4 - 0.3 * number, solid_capstyle='butt')
+                    color=style['color'], linewidth=2.4 - 0.3 * index, solid_capstyle='butt')
     paths_panel.legend(loc='center left', bbox_to_anchor=(1.0, 0.5))
     table = outcome.tables['durations']
     lost_panel.plot(table['segments'][:-1], table['above_most_percent'][:-1], 'o-', color=COLOR)

@@ -86,12 +86,12 @@ def input_table(plan: Plan) -> Table:
     """
     angles = np.array(plan.pushing_angles)[:, 0]
     # Neighbouring segments of one angle count as one.
-    begins = np.flatnonzero(np.concatenate([[True], np.diff(angles) != 0.0]))
+    starts = np.flatnonzero(np.concatenate([[True], np.diff(angles) != 0.0]))
     distances = np.concatenate([[0.0], plan.segment_ends])
-    distances = np.append(distances[begins], distances[-1])
+    distances = np.append(distances[starts], distances[-1])
     times = distances / plan.speeds[0][0]
     return {'begin_m': distances[:-1], 'end_m': distances[1:], 'begin_s': times[:-1],
-            'end_s': times[1:], 'rho_rad': angles[begins]}
+            'end_s': times[1:], 'rho_rad': angles[starts]}
 
 
 def contact_on_face(path: Table) -> FloatArray:
@@ -152,11 +152,11 @@ def draw_outlines(axes: Axes, obj: PushedObject, poses: Sequence[Pose]) -> None:
     :param obj: the object.
     :param poses: from start to goal.
     """
-    for number, pose in enumerate(poses):
-        is_goal = number == len(poses) - 1
+    for index, pose in enumerate(poses):
+        is_goal = index == len(poses) - 1
         style: dict[str, Any] = {'facecolor': 'none', 'linewidth': 0.6,
                                  'edgecolor': plot_style.GREY}
-        if number == 0 or is_goal:
+        if index == 0 or is_goal:
             style = {'facecolor': plot_style.OBJECT_FILL, 'linewidth': 1.2,
                      'edgecolor': plot_style.INK}
         axes.fill(*zip(*map(pose.transform, obj.outline)), zorder=1.0, alpha=0.8,

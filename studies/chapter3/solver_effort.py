@@ -19,27 +19,27 @@ REFERENCE_SEGMENTS = 6
 PERCENT = 100.0
 
 
-def solver_work(found: Plan) -> int:
+def solver_work(plan: Plan) -> int:
     """
     Estimate the work of the solver: iterations times unknowns, as an iteration is linear in them.
 
-    :param found: plan in constant pushing angles.
+    :param plan: ``Plan`` in constant pushing angles.
     :return: number of unknowns in all iterations.
     """
-    problem, steps = found.problem, found.report['segments']
+    problem, steps = plan.problem, plan.report['segments']
     dimensions = Dimensions(problem.kind, len(problem.obj.supports), steps, True, False,
                             problem.settings.heading_free)
-    return found.report['iterations'] * dimensions.variable_count
+    return plan.report['iterations'] * dimensions.variable_count
 
 
-def asymmetry(found: Plan) -> float:
+def asymmetry(plan: Plan) -> float:
     """
     Compute the distance of the pushing angles from their own reversed and mirrored course.
 
-    :param found: plan in constant pushing angles.
+    :param plan: ``Plan`` in constant pushing angles.
     :return: greatest distance over the greatest angle; 0 for a symmetrical course.
     """
-    angles = input_table(found)['rho_rad']
+    angles = input_table(plan)['rho_rad']
     return float(np.abs(angles + angles[::-1]).max() / np.abs(angles).max())
 
 
@@ -67,9 +67,9 @@ class Effort(NamedTuple):
         :param reference: index of the plan with ``REFERENCE_SEGMENTS``.
         :return: the effort.
         """
-        work = np.array([solver_work(found) for found in plans], dtype=float)
-        durations = np.array([found.trajectory.duration for found in plans])
-        return cls([found.report['iterations'] for found in plans], work / work[reference],
+        work = np.array([solver_work(plan) for plan in plans], dtype=float)
+        durations = np.array([plan.trajectory.duration for plan in plans])
+        return cls([plan.report['iterations'] for plan in plans], work / work[reference],
                    durations, durations / durations[-1] - 1.0)
 
 
@@ -82,19 +82,19 @@ def compute(values: Values, _: RunJobs) -> Outcome:
              for name, goal in zip(GOALS, (values.goal, values.asymmetrical_goal))}
     table: Table = {'segments': counts}
     findings: dict[str, Finding] = {}
-    for name, found in plans.items():
-        effort = Effort.of(found, reference)
+    for name, plans_of_goal in plans.items():
+        effort = Effort.of(plans_of_goal, reference)
         table[f'{name}_iterations'] = effort.iterations
         table[f'{name}_relative_work'] = effort.relative_work
         table[f'{name}_duration_s'] = effort.durations
         table[f'{name}_extra_duration'] = effort.extra_durations
-        few, six = (float(PERCENT * effort.extra_durations[number]) for number in (0, reference))
+        few, six = (float(PERCENT * effort.extra_durations[index]) for index in (0, reference))
         findings[f'{name}_few'] = Finding(
             few, '%', f'duration with {counts[0]} segments above that with the most, {name}')
         findings[f'{name}_six'] = Finding(
             six, '%', f'the same with {REFERENCE_SEGMENTS} segments, {name}')
         findings[f'{name}_asymmetry'] = Finding(
-            asymmetry(found[reference]), '',
+            asymmetry(plans_of_goal[reference]), '',
             f'distance of the pushing angles from symmetry over the largest, {name}')
     # One integration for the motion, one for its length, and one for each angle.
     table['integrations_relative'] = (np.array(counts) + 2.0) / (REFERENCE_SEGMENTS + 2.0)
@@ -110,9 +110,9 @@ def draw(figure: Figure, outcome: Outcome, _: Values) -> None:
     table = outcome.tables['effort']
     counts = np.array(table['segments'])
     left, right = figure.subplots(1, 2)
-    for number, (name, marker) in enumerate(zip(GOALS, 'os')):
-        style = {'marker': marker, 'markersize': 6.5 - 2.0 * number, 'label': name,
-                 **plot_style.series(number)}
+    for index, (name, marker) in enumerate(zip(GOALS, 'os')):
+        style = {'marker': marker, 'markersize': 6.5 - 2.0 * index, 'label': name,
+                 **plot_style.series(index)}
         left.plot(counts, table[f'{name}_relative_work'], **style)
         right.plot(counts[:-1], PERCENT * table[f'{name}_extra_duration'][:-1], **style)
     left.plot(counts, table['integrations_relative'], color=plot_style.GREY, linewidth=1.0,

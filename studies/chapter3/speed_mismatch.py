@@ -19,8 +19,8 @@ from studies.framework.study import Finding, Outcome, RunJobs, Study, Table
 
 def compute(values: Values, _: RunJobs) -> Outcome:
     """Plan once, and execute the pushing angles over the same distances at each speed."""
-    found = plan_push(push_problem(values, values.planned_speed, values.segments))
-    inputs, problem = input_table(found), found.problem
+    plan = plan_push(push_problem(values, values.planned_speed, values.segments))
+    inputs, problem = input_table(plan), plan.problem
     tables: dict[str, Table] = {'inputs': inputs}
     speeds = [*values.speeds, values.slow_speed]
     ends: list[Pose] = []
@@ -67,8 +67,8 @@ def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
     above, below = figure.subplots(2, 1, height_ratios=(2.0, 1.0))
     obj = box(values)
     draw_outlines(above, obj, [Pose(0.0, 0.0, 0.0), Pose(*values.goal)])
-    for number, speed in enumerate(values.speeds):
-        table, style = outcome.tables[f'path_{speed:g}'], plot_style.series(number)
+    for index, speed in enumerate(values.speeds):
+        table, style = outcome.tables[f'path_{speed:g}'], plot_style.series(index)
         above.plot(table['x_m'], table['y_m'], label=f'{speed:g} m/s', zorder=3.0, **style)
         end = Pose(*(table[name][-1] for name in POSE_COLUMNS))
         above.fill(*zip(*map(end.transform, obj.outline)), facecolor='none', zorder=2.0,

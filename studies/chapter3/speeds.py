@@ -23,10 +23,10 @@ def compute(values: Values, _: RunJobs) -> Outcome:
     """Plan the push at each speed."""
     tables: dict[str, Table] = {}
     plans = [plan_push(push_problem(values, speed, values.segments)) for speed in values.speeds]
-    for speed, found in zip(values.speeds, plans):
-        tables[f'path_{speed:g}'] = path_table(found.trajectory)
-        tables[f'inputs_{speed:g}'] = input_table(found)
-    distances = np.array([found.segment_ends[-1] for found in plans])
+    for speed, plan in zip(values.speeds, plans):
+        tables[f'path_{speed:g}'] = path_table(plan.trajectory)
+        tables[f'inputs_{speed:g}'] = input_table(plan)
+    distances = np.array([plan.segment_ends[-1] for plan in plans])
     angles = [tables[f'inputs_{speed:g}']['rho_rad'] for speed in values.speeds]
     slowest = tables[f'path_{values.speeds[0]:g}']
     deviations = [_deviation(tables[f'path_{speed:g}'], slowest) for speed in values.speeds]
@@ -65,13 +65,13 @@ def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
     above, below = figure.subplots(2, 1, height_ratios=(1.6, 1.0))
     slowest = outcome.tables[f'path_{values.speeds[0]:g}']
     draw_outlines(above, box(values), poses_at(slowest, slowest['time_s'][[0, -1]]))
-    for number, speed in enumerate(values.speeds):
-        style = plot_style.nested_series(number, len(values.speeds), 1.4)
+    for index, speed in enumerate(values.speeds):
+        style = plot_style.nested_series(index, len(values.speeds), 1.4)
         inputs = outcome.tables[f'inputs_{speed:g}']
         draw_center(above, outcome.tables[f'path_{speed:g}'], label=f'{speed:g} m/s, '
                     f'{inputs["end_s"][-1]:.1f} s', **style)
         draw_inputs(below, inputs,
-                    **{**plot_style.series(number), 'linewidth': style['linewidth']})
+                    **{**plot_style.series(index), 'linewidth': style['linewidth']})
     above.legend(loc='upper left')
 
 

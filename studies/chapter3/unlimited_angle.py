@@ -29,13 +29,13 @@ def compute(values: Values, _: RunJobs) -> Outcome:
     tables: dict[str, Table] = {}
     rows: list[tuple[float, ...]] = []
     for speed in values.speeds:
-        found = _unlimited_plan(values, speed)
-        inputs, first_touch = input_table(found), found.switches[0]
+        plan = _unlimited_plan(values, speed)
+        inputs, first_touch = input_table(plan), plan.switches[0]
         tables[f'inputs_{speed:g}'] = inputs
-        tables[f'path_{speed:g}'] = path_table(found.trajectory)
+        tables[f'path_{speed:g}'] = path_table(plan.trajectory)
         impulse_angle = math.atan2(first_touch.tangential_impulse, first_touch.normal_impulse)
         rows.append((speed, float(np.abs(inputs['rho_rad']).max()),
-                     cone * verify(found).friction_usage, abs(impulse_angle)))
+                     cone * verify(plan).friction_usage, abs(impulse_angle)))
     table = tables['steepest'] = dict(zip(COLUMNS, map(np.array, zip(*rows))))
     return Outcome(tables, {
         'cone': Finding(cone, 'rad', 'half-angle of the friction cone'),
@@ -77,18 +77,18 @@ def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
     cone = outcome.findings['cone'].value
     left.axhspan(-cone, cone, color=plot_style.REGION, linewidth=0.0, zorder=0.5)
     # Every second one, as neighbours hide one another.
-    for number, speed in enumerate(values.speeds[::2]):
-        style = plot_style.series(number)
+    for index, speed in enumerate(values.speeds[::2]):
+        style = plot_style.series(index)
         draw_center(above, outcome.tables[f'path_{speed:g}'], label=f'{speed:g} m/s', **style)
         draw_inputs(left, outcome.tables[f'inputs_{speed:g}'], **style)
     above.legend(loc='upper left', bbox_to_anchor=(1.0, 1.0))
     table = outcome.tables['steepest']
     right.axhspan(0.0, cone, color=plot_style.REGION, linewidth=0.0, zorder=0.5,
                   label='friction cone')
-    for number, (name, label) in enumerate((('push', 'push'), ('force', 'contact force'),
-                                            ('first_touch', 'impulse of first touch'))):
+    for index, (name, label) in enumerate((('push', 'push'), ('force', 'contact force'),
+                                           ('first_touch', 'impulse of first touch'))):
         right.plot(table['speed_m_s'], table[f'{name}_rad'], label=label,
-                   **plot_style.series(number))
+                   **plot_style.series(index))
     right.set_xlim(0.0, values.speeds[-1])
     right.set_ylim(0.0, 1.15 * max(table['push_rad']))
     right.set_xlabel('speed [m/s]')

@@ -93,9 +93,9 @@ def repeat(repeated: RepeatedPush, laws: Sequence[Law], count: int, run_jobs: Ru
     jobs = [{'law': law, 'seed': seed} for seed in range(count) for law in laws]
     records = run_jobs(repeated, jobs, job_time=JOB_TIME)
     table: Table = {'seed': np.arange(count)}
-    for number, law in enumerate(laws):
+    for index, law in enumerate(laws):
         table.update((f'{law}_{column}',
-                      np.array([record[column] for record in records[number::len(laws)]]))
+                      np.array([record[column] for record in records[index::len(laws)]]))
                      for column in COLUMNS)
     return table
 

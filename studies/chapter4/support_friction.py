@@ -52,10 +52,10 @@ def gaussian_friction(seed: int, deviation: float, period: float, duration: floa
     :return: changes; no friction is below zero.
     """
     count = round(duration / period)
-    draws = np.random.default_rng(seed).standard_normal((count, supports))
-    factors = np.maximum(0.0, 1.0 + deviation * draws).tolist()
-    return tuple(FrictionChange(number * period, (number + 1) * period, factor, support)
-                 for number, row in enumerate(factors) for support, factor in enumerate(row))
+    samples = np.random.default_rng(seed).standard_normal((count, supports))
+    factors = np.maximum(0.0, 1.0 + deviation * samples).tolist()
+    return tuple(FrictionChange(index * period, (index + 1) * period, factor, support)
+                 for index, row in enumerate(factors) for support, factor in enumerate(row))
 
 
 def box_at(values: Values, changes: Sequence[FrictionChange], time: float) -> PushedObject:

@@ -52,28 +52,28 @@ def applied() -> Generator[None, None, None]:
         yield
 
 
-def series(number: int) -> dict[str, Any]:
+def series(index: int) -> dict[str, Any]:
     """
     Return colour and dashes of a curve, as keywords of ``plot``.
 
-    :param number: of the curve, from 0.
+    :param index: of the curve, from 0.
     :return: keywords.
     """
-    color, dashes = SERIES[number % len(SERIES)]
+    color, dashes = SERIES[index % len(SERIES)]
     return {'color': color, 'linestyle': dashes}
 
 
-def nested_series(number: int, count: int, step: float = 2.2) -> dict[str, Any]:
+def nested_series(index: int, count: int, step: float = 2.2) -> dict[str, Any]:
     """
     Return the line style of a curve that may coincide with others, as keywords of ``plot``.
 
-    :param number: of the curve, from 0; later ones are thinner, so that all remain visible.
+    :param index: of the curve, from 0; later ones are thinner, so that all remain visible.
     :param count: of the curves.
     :param step: by how much each is thinner than the one before [points].
     :return: keywords.
     """
-    color, dashes = SERIES[number % len(SERIES)]
-    width = 1.8 + step * (count - 1 - number)
+    color, dashes = SERIES[index % len(SERIES)]
+    width = 1.8 + step * (count - 1 - index)
     if step and dashes != '-':
         # Matplotlib counts dashes in line widths; here they are in points, whatever the width.
         dashes = dashes[0], tuple(2.0 * part / width for part in dashes[1])

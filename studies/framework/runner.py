@@ -69,11 +69,11 @@ class StudyRunner:
         """
         values = study.values(self._chosen, self._overrides)
         files = StudyFiles(study, self._folder)
-        found = files.read(stamp_of(study, values))
-        if found is None:
+        stored = files.read(stamp_of(study, values))
+        if stored is None:
             return None
-        return StudyResult(study, study.title_of(values), found.findings, files, True,
-                           found.page_table)
+        return StudyResult(study, study.title_of(values), stored.findings, files, True,
+                           stored.page_table)
 
     def run(self, study: Study) -> StudyResult:
         """
@@ -86,9 +86,9 @@ class StudyRunner:
         :raises ValueError: where a parameter does not fit.
         :raises RuntimeError: where one of its jobs fails.
         """
-        found = self.find(study)
-        if found is not None:
-            return found
+        result = self.find(study)
+        if result is not None:
+            return result
         values = study.values(self._chosen, self._overrides)
         stamp = stamp_of(study, values)
         files = StudyFiles(study, self._folder)

@@ -169,8 +169,8 @@ def arrow(axes: Axes, start: Point, vector: Point, text: str = '', color: str = 
         return
     heading = math.degrees(math.atan2(vector[1], vector[0]))
     fraction, direction = (1.0, heading) if at is None else (at, heading + side)
-    place = start[0] + fraction * vector[0], start[1] + fraction * vector[1]
-    label(axes, place, text, direction, gap=gap, color=color)
+    position = start[0] + fraction * vector[0], start[1] + fraction * vector[1]
+    label(axes, position, text, direction, gap=gap, color=color)
 
 
 def angle(axes: Axes, center: Point, radius: float, span: tuple[float, float], text: str, *,
@@ -195,8 +195,8 @@ def angle(axes: Axes, center: Point, radius: float, span: tuple[float, float], t
                   arrowprops={'arrowstyle': '-|>', 'color': color, 'linewidth': 0.8,
                               'shrinkA': 0.0, 'shrinkB': 0.0, 'mutation_scale': 7.0})
     middle = start + at * (end - start)
-    place = center[0] + radius * math.cos(middle), center[1] + radius * math.sin(middle)
-    label(axes, place, text, math.degrees(middle), gap=gap, color=color)
+    position = center[0] + radius * math.cos(middle), center[1] + radius * math.sin(middle)
+    label(axes, position, text, math.degrees(middle), gap=gap, color=color)
 
 
 def dimension(axes: Axes, start: Point, end: Point, text: str, *, shift: float = 0.0,

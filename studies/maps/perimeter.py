@@ -55,14 +55,14 @@ def perimeter_locations(obj: PushedObject, count: int) -> list[PerimeterLocation
                 for i in range(count)]
     lengths = [face_length(obj, face) for face in range(len(obj.outline))]
     locations: list[PerimeterLocation] = []
-    begin = 0.0
+    start = 0.0
     for face, length in enumerate(lengths):
         sections = max(1, round(count * length / sum(lengths)))
         for i in range(sections):
             along = (i + 0.5) / sections * length
             locations.append(PerimeterLocation(Contact('face', face, 0.5 * length - along),
-                                               begin + along, length / sections))
-        begin += length
+                                               start + along, length / sections))
+        start += length
     return locations
 
 

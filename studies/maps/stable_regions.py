@@ -79,9 +79,9 @@ def _location_table(panels: Sequence[Panel], values: Values, run_jobs: RunJobs) 
     owners: list[Panel] = []
     locations: list[PerimeterLocation] = []
     for panel in panels:
-        found = perimeter_locations(panel.object, int(values.locations))
-        owners += [panel] * len(found)
-        locations += found
+        panel_locations = perimeter_locations(panel.object, int(values.locations))
+        owners += [panel] * len(panel_locations)
+        locations += panel_locations
     contacts = [location.contact for location in locations]
     push = TolerancePush(panels[0].object, values.distance, values.duration, values.accuracy)
     records = run_jobs(push, list(map(_job, owners, contacts)))
@@ -104,16 +104,16 @@ def _fraction_table(panels: Sequence[Panel], table: Table, borders: Sequence[Bor
     """Find which fraction of each perimeter is stable."""
     return {**_key_columns(panels, panels),
             'stable_fraction': [_stable_fraction(table, panel.rows(table)) for panel in panels],
-            'closed_stable_fraction': [found.stable_fraction for found in borders]}
+            'closed_stable_fraction': [border.stable_fraction for border in borders]}
 
 
 def _border_table(panels: Sequence[Panel], borders: Sequence[Borders]) -> Table:
     """List the points at which stable regions end, by the closed form."""
     owners: list[Panel] = []
     points: list[Point] = []
-    for panel, found in zip(panels, borders):
-        owners += [panel] * len(found.points)
-        points += found.points
+    for panel, border in zip(panels, borders):
+        owners += [panel] * len(border.points)
+        points += border.points
     return {**_key_columns(panels, owners), **_point_columns(points)}
 
 

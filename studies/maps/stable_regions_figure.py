@@ -100,11 +100,11 @@ def _draw_panel(axes: Axes, panel: Panel, tables: dict[str, Table], count: int,
 
 
 def _draw_band(axes: Axes, frame: _Frame, sections: Sequence[Section], colors: Any) -> None:
-    quads: Any = [(begin, end, frame.scaled(end, BAND_EDGE), frame.scaled(begin, BAND_EDGE))
-                  for begin, end in sections]
+    quads: Any = [(start, end, frame.scaled(end, BAND_EDGE), frame.scaled(start, BAND_EDGE))
+                  for start, end in sections]
     axes.add_collection(PolyCollection(quads, facecolors=colors, edgecolors='none',
                                        antialiased=False, rasterized=True))
-    rim = np.array([begin for begin, _ in (*sections, sections[0])])
+    rim = np.array([start for start, _ in (*sections, sections[0])])
     axes.plot(*rim.T, color=plot_style.INK, linewidth=1.0)
     axes.plot(*frame.scaled(rim, BAND_EDGE).T, color=plot_style.GREY, linewidth=0.5)
 

@@ -112,7 +112,7 @@ def returns(obj: PushedObject, contact: Contact, location: PushingLocation, spee
     :return: whether it returns.
     """
     plant = _rotated_plant(obj, contact, location, speed, rotation)
-    for number in range(EXAMINATIONS):
+    for index in range(EXAMINATIONS):
         plant.advance(distance / EXAMINATIONS / speed, Twist(speed, 0.0, 0.0))
         pose = plant.object_pose
         now = pose.theta + location.push_direction
@@ -122,7 +122,7 @@ def returns(obj: PushedObject, contact: Contact, location: PushingLocation, spee
         slip = touched.offset - rolled_contact(obj, contact, location, now).offset
         if contact.kind == 'round':
             slip = obj.radius * wrap_angle(slip)
-        is_second_half = 2 * number >= EXAMINATIONS
+        is_second_half = 2 * index >= EXAMINATIONS
         if abs(slip) > SLIP_TOLERANCE or is_second_half and abs(now) >= abs(rotation):
             return False
     return True

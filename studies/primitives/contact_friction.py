@@ -46,31 +46,31 @@ PUSHES = (ShownPush('middle', 'middle', 0.0, 0.0), ShownPush('beside', 'beside',
 
 
 def compute(values: Values, _: RunJobs) -> Outcome:
-    """Simulate the pushes for every friction and guess."""
+    """Simulate the pushes for every friction and sample."""
     obj = reference_object(named_object(values.object))
     table = build_table(obj, named_robot(values.robot).radius, lengths=(0.0, values.length),
-                        friction_samples=_draws(sample_friction(obj), values))
+                        friction_samples=_samples(sample_friction(obj), values))
     tables = {push.name: _rows(table, push, values) for push in PUSHES}
     return Outcome(tables, _findings(tables, values))
 
 
-def _draws(guesses: FrictionSamples, values: Values) -> FrictionSamples:
-    """Combine every contact friction with the same guesses of the supports."""
+def _samples(samples: FrictionSamples, values: Values) -> FrictionSamples:
+    """Combine every contact friction with the same samples of the supports."""
     count, frictions = int(values.guesses), len(values.frictions)
-    return FrictionSamples(np.tile(guesses.support_factors[:count], (frictions, 1)),
+    return FrictionSamples(np.tile(samples.support_factors[:count], (frictions, 1)),
                            np.repeat(np.array(values.frictions, dtype=float), count),
-                           np.tile(guesses.centers[:count], (frictions, 1)))
+                           np.tile(samples.centers[:count], (frictions, 1)))
 
 
 def _rows(table: PrimitiveTable, push: ShownPush, values: Values) -> Table:
-    numbers = find_primitives(table, push.tilt * values.tilt)
-    numbers = numbers[table.faces[numbers] == 0]
-    offsets = np.array([table.face_points[place].offset
-                        for place in table.point_indices[numbers].tolist()])
-    number = numbers[[int(np.argmin(np.abs(offsets - push.offset * values.offset)))]]
+    indices = find_primitives(table, push.tilt * values.tilt)
+    indices = indices[table.faces[indices] == 0]
+    offsets = np.array([table.face_points[point].offset
+                        for point in table.point_indices[indices].tolist()])
+    index = indices[[int(np.argmin(np.abs(offsets - push.offset * values.offset)))]]
     shape = (len(values.frictions), int(values.guesses), 3)
     # Each friction apart, as if its guesses were all there are.
-    parts = [effects_at(table, number, np.array([values.length]), part)
+    parts = [effects_at(table, index, np.array([values.length]), part)
              for part in np.arange(shape[0] * shape[1]).reshape(shape[:2])]
     means = np.array([part.means[0, 0] for part in parts])
     deviations = np.array([part.deviations[0, 0] for part in parts])
@@ -87,7 +87,7 @@ def _findings(tables: dict[str, Table], values: Values) -> dict[str, Finding]:
         'least': Finding(min(values.frictions), '', 'least contact friction'),
         'most': Finding(max(values.frictions), '', 'largest contact friction')}
     for push in PUSHES:
-        aside = MILLIMETRES * tables[push.name]['aside_m']
+        lateral = MILLIMETRES * tables[push.name]['aside_m']
         turns = np.degrees(tables[push.name]['turn_rad'])
         deviations = np.degrees(tables[push.name]['turn_deviation_rad'])
         low, high = int(np.argmin(values.frictions)), int(np.argmax(values.frictions))
@@ -96,8 +96,8 @@ def _findings(tables: dict[str, Table], values: Values) -> dict[str, Finding]:
         findings[f'{push.name}_high'] = Finding(float(turns[high]), 'deg',
                                                 'the same at the largest')
         findings[f'{push.name}_aside_low'] = Finding(
-            float(aside[low]), 'mm', 'displacement along the face at the least friction')
-        findings[f'{push.name}_aside_high'] = Finding(float(aside[high]), 'mm',
+            float(lateral[low]), 'mm', 'displacement along the face at the least friction')
+        findings[f'{push.name}_aside_high'] = Finding(float(lateral[high]), 'mm',
                                                       'the same at the largest')
         findings[f'{push.name}_spread'] = Finding(
             float(deviations.mean()), 'deg', 'standard deviation over the guesses of the '
@@ -119,11 +119,11 @@ def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
 
 
 def _draw_panel(axes: Axes, outcome: Outcome, mean: str, deviation: str, scale: float) -> None:
-    for number, push in enumerate(PUSHES):
+    for index, push in enumerate(PUSHES):
         table = outcome.tables[push.name]
-        middle, spread = scale * table[mean], scale * table[deviation]
-        style = plot_style.series(number)
-        axes.fill_between(table['contact_friction'], middle - spread, middle + spread,
+        middle, std = scale * table[mean], scale * table[deviation]
+        style = plot_style.series(index)
+        axes.fill_between(table['contact_friction'], middle - std, middle + std,
                           color=style['color'], alpha=0.2, linewidth=0.0)
         axes.plot(table['contact_friction'], middle, label=push.label, **style)
 

@@ -179,9 +179,9 @@ def draw_curves(figure: Figure, outcome: Outcome, _: Values) -> None:
             (panels[1, 0], 'miss_m', 'miss_time_s', MILLIMETRES, 'distance of a miss [mm]'),
             (panels[1, 1], 'miss_heading_rad', 'miss_heading_time_s', degrees,
              'heading error of a miss [deg]')):
-        for number, (name, table) in enumerate(outcome.tables.items()):
+        for index, (name, table) in enumerate(outcome.tables.items()):
             axes.plot(scale * table[column], table[time], label=name.replace('_', ' '),
-                      **plot_style.series(number))
+                      **plot_style.series(index))
         axes.set_xlabel(label)
         axes.set_ylabel('expected time [s]')
         axes.set_ylim(bottom=0.0)

@@ -29,17 +29,17 @@ def compute(values: Values, _: RunJobs) -> Outcome:
     return Outcome({'effects': effects}, _findings(effects, values))
 
 
-def _rows(table: PrimitiveTable, values: Values, tilt: float) -> Table:
-    numbers = find_primitives(table, tilt)
-    is_round = len({place.normal for place in table.face_points}) == len(table.face_points)
+def _rows(table: PrimitiveTable, values: Values, angle: float) -> Table:
+    indices = find_primitives(table, angle)
+    is_round = len({point.normal for point in table.face_points}) == len(table.face_points)
     if not is_round:
-        numbers = numbers[table.faces[numbers] == 0]
+        indices = indices[table.faces[indices] == 0]
     lengths = np.array(values.lengths)
-    effects = effects_at(table, numbers, lengths)
-    offsets = [table.face_points[place].offset for place in table.point_indices[numbers].tolist()]
+    effects = effects_at(table, indices, lengths)
+    offsets = [table.face_points[point].offset for point in table.point_indices[indices].tolist()]
     columns: Table = {
-        'tilt_rad': np.full(len(numbers) * len(lengths), tilt),
-        'length_m': np.tile(lengths, len(numbers)), 'offset_m': np.repeat(offsets, len(lengths))}
+        'tilt_rad': np.full(len(indices) * len(lengths), angle),
+        'length_m': np.tile(lengths, len(indices)), 'offset_m': np.repeat(offsets, len(lengths))}
     for name, unit, axis in (('aside', 'm', 0), ('ahead', 'm', 1), ('turn', 'rad', 2)):
         columns[f'{name}_{unit}'] = effects.means[..., axis].ravel()
         columns[f'{name}_deviation_{unit}'] = effects.deviations[..., axis].ravel()
@@ -47,18 +47,18 @@ def _rows(table: PrimitiveTable, values: Values, tilt: float) -> Table:
 
 
 def _findings(effects: Table, values: Values) -> dict[str, Finding]:
-    lengths, offsets, tilts = (effects[name] for name in ('length_m', 'offset_m', 'tilt_rad'))
+    lengths, offsets, angles = (effects[name] for name in ('length_m', 'offset_m', 'tilt_rad'))
     middle = sorted(values.lengths)[len(values.lengths) // 2]
-    turns, spreads = np.degrees(effects['turn_rad']), np.degrees(effects['turn_deviation_rad'])
+    turns, stds = np.degrees(effects['turn_rad']), np.degrees(effects['turn_deviation_rad'])
     at_length = np.isclose(lengths, middle)
     best = int(np.argmax(np.where(at_length, np.abs(turns), -1.0)))
-    straight = np.isclose(tilts, min(values.tilts, key=abs))
+    straight = np.isclose(angles, min(values.tilts, key=abs))
     # The place in front of the centre of friction, where a straight push turns the object least.
     balanced = straight & at_length
     balance = offsets[int(np.argmin(np.where(balanced, np.abs(turns), math.inf)))]
     central = straight & np.isclose(offsets, balance)
     # The direction leans away from the middle where tilt and offset differ in sign.
-    outward = -math.degrees(float(tilts[best])) * math.copysign(1.0, float(offsets[best]))
+    outward = -math.degrees(float(angles[best])) * math.copysign(1.0, float(offsets[best]))
     longest = np.isclose(lengths, max(values.lengths))
     return {
         'length': Finding(middle, 'm', 'driven length of the findings'),
@@ -70,15 +70,15 @@ def _findings(effects: Table, values: Values) -> dict[str, Finding]:
                               'displacement ahead meanwhile'),
         'turn_aside': Finding(MILLIMETRES * float(np.abs(effects['aside_m'][best])), 'mm',
                               'displacement along it meanwhile'),
-        'turn_spread': Finding(float(spreads[best]), 'deg', 'standard deviation of that rotation'),
+        'turn_spread': Finding(float(stds[best]), 'deg', 'standard deviation of that rotation'),
         'balance_offset': Finding(MILLIMETRES * float(balance), 'mm', 'place where a push along '
                                   'the normal turns the object least, from the middle'),
-        'balance_spread': Finding(float(spreads[central & at_length].mean()), 'deg', 'standard '
+        'balance_spread': Finding(float(stds[central & at_length].mean()), 'deg', 'standard '
                                   'deviation of the rotation there'),
         'long_length': Finding(max(values.lengths), 'm', 'longest push'),
         'long_turn': Finding(float(np.abs(turns[longest & ~straight]).mean()), 'deg',
                              'mean rotation by tilted pushes of that length'),
-        'long_spread': Finding(float(spreads[central & longest].mean()), 'deg',
+        'long_spread': Finding(float(stds[central & longest].mean()), 'deg',
                                'the same after the longest push')}
 
 
@@ -103,15 +103,15 @@ def _draw_panel(axes: Axes, effects: Table, values: Values, length: float,
     name, scale = quantity
     unit = 'rad' if name == 'turn' else 'm'
     axes.axhline(0.0, color=plot_style.GREY, linewidth=0.6)
-    for number, tilt in enumerate(values.tilts):
-        rows = np.isclose(effects['length_m'], length) & np.isclose(effects['tilt_rad'], tilt)
+    for index, angle in enumerate(values.tilts):
+        rows = np.isclose(effects['length_m'], length) & np.isclose(effects['tilt_rad'], angle)
         offsets = MILLIMETRES * effects['offset_m'][rows]
         means = scale * effects[f'{name}_{unit}'][rows]
         deviations = scale * effects[f'{name}_deviation_{unit}'][rows]
-        style = plot_style.series(number)
+        style = plot_style.series(index)
         axes.fill_between(offsets, means - deviations, means + deviations, alpha=0.22,
                           color=style['color'], linewidth=0.0)
-        axes.plot(offsets, means, label=f'tilt {math.degrees(tilt):.0f} deg', linewidth=1.4,
+        axes.plot(offsets, means, label=f'tilt {math.degrees(angle):.0f} deg', linewidth=1.4,
                   **style)
     # Clearly visible differences between lengths matter more than a common scale.
     axes.margins(x=0.02)

@@ -46,11 +46,11 @@ def compute(values: Values, _: RunJobs) -> Outcome:
                                    f'least of all objects ({sharpest})'),
         'widest_radius': Finding(widest, 'm', 'the same, most of all objects')}
     for label, length in (('short', min(values.lengths)), ('long', max(values.lengths))):
-        findings.update(_spreads(list(tables.values()), label, length))
+        findings.update(_deviations(list(tables.values()), label, length))
     return Outcome(tables, findings)
 
 
-def _spreads(tables: list[Table], label: str, length: float) -> dict[str, Finding]:
+def _deviations(tables: list[Table], label: str, length: float) -> dict[str, Finding]:
     """Find the median deviations of all pushes of a length."""
     def median(column: str) -> float:
         values = [table[column][np.isclose(table['length_m'], length)] for table in tables]

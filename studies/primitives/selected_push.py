@@ -38,7 +38,7 @@ SMALL_HEADING = 0.2
 # Places nearer to the middle than this part of the largest offset are in the middle; chosen.
 MIDDLE_FRACTION = 0.35
 # Pushes with less tilt are along the normal [rad]; the least tilt of the table is twice as large.
-MIN_TILT = 0.075
+MIN_ANGLE = 0.075
 PERCENT = 100.0
 
 
@@ -92,12 +92,12 @@ class PushSelection:
             primitives, SelectionQuery(goal, robot_pose, belief, 0.0, self.pushing_speed),
             lambda start: known[tuple(start)])
         assert selected is not None
-        table, number = primitives.table, selected.primitive
+        table, row = primitives.table, selected.primitive
         return {
             'kind': kind_of(primitives, selected).value,
-            'place': int(table.point_indices[number]),
-            'tilt': float(table.approach_angles[number]),
-            'curvature': float(table.curvatures[number]), 'length': selected.length,
+            'place': int(table.point_indices[row]),
+            'tilt': float(table.approach_angles[row]),
+            'curvature': float(table.curvatures[row]), 'length': selected.length,
             'expected_time': selected.expected_time}
 
 
@@ -117,16 +117,16 @@ def kind_of(primitives: PushPrimitives, selected: SelectedPush) -> Kind:
     :param selected: the push.
     :return: its kind.
     """
-    table, number = primitives.table, selected.primitive
+    table, row = primitives.table, selected.primitive
     if selected.length < TAP_LENGTH:
         return Kind.TAP
-    if table.curvatures[number]:
+    if table.curvatures[row]:
         return Kind.ARC
-    if abs(table.approach_angles[number]) > MIN_TILT:
+    if abs(table.approach_angles[row]) > MIN_ANGLE:
         return Kind.TILTED
-    place = table.face_points[int(table.point_indices[number])]
-    largest = max(abs(other.offset) for other in table.face_points if other.face == place.face)
-    return Kind.MIDDLE if abs(place.offset) < MIDDLE_FRACTION * largest else Kind.BESIDE
+    point = table.face_points[int(table.point_indices[row])]
+    largest = max(abs(other.offset) for other in table.face_points if other.face == point.face)
+    return Kind.MIDDLE if abs(point.offset) < MIDDLE_FRACTION * largest else Kind.BESIDE
 
 
 def compute(values: Values, run_jobs: RunJobs) -> Outcome:

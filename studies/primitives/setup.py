@@ -19,7 +19,7 @@ OBJECTS = Parameter('objects', '', 'pushed objects, names of files in config/obj
 ROBOT = Parameter('robot', '', 'robot, the name of a file in config/robots')
 LENGTHS = Parameter('lengths', 'm', 'driven lengths of the pushes')
 MILLIMETRES = 1000.0
-# Guesses of friction that the spread is over, the nominal one included.
+# Samples of friction that deviations are over, the nominal one included.
 COMMON = slice(0, 1 + COMMON_SAMPLES)
 # Tilts and curvatures of the table are compared to this [rad, 1/m].
 ROUNDING = 1e-6
@@ -31,7 +31,7 @@ class Effects(NamedTuple):
 
     :param means: along the face (counter-clockwise about the object), ahead along the inward
         normal, and rotation, shape (..., 3) [m, m, rad].
-    :param deviations: over the guesses of friction, shape (..., 3).
+    :param deviations: over the samples of friction, shape (..., 3).
     """
 
     means: FloatArray
@@ -69,39 +69,40 @@ def named_primitives(object_name: str, robot_name: str) -> PushPrimitives:
     return load_primitives(named_object(object_name), named_robot(robot_name))
 
 
-def find_primitives(table: PrimitiveTable, tilt: float, curvature: float = 0.0) -> IntArray:
+def find_primitives(table: PrimitiveTable, angle: float, curvature: float = 0.0) -> IntArray:
     """
     List the primitives of one kind.
 
     :param table: of primitives.
-    :param tilt: [rad].
+    :param angle: approach angle [rad].
     :param curvature: [1/m].
     :return: their numbers, place by place, shape (places,).
     :raises ValueError: where the table has none.
     """
-    found = np.flatnonzero((np.abs(table.approach_angles - tilt) < ROUNDING)
-                           & (np.abs(table.curvatures - curvature) < ROUNDING))
-    if not len(found):
-        tilts = ', '.join(f'{known:g}' for known in np.unique(table.approach_angles))
-        raise ValueError(f'tilt: got {tilt:g} rad with {curvature:g} / m, expected one of {tilts}')
-    return found
+    rows = np.flatnonzero((np.abs(table.approach_angles - angle) < ROUNDING)
+                          & (np.abs(table.curvatures - curvature) < ROUNDING))
+    if not len(rows):
+        angles = ', '.join(f'{known:g}' for known in np.unique(table.approach_angles))
+        raise ValueError(f'tilt: got {angle:g} rad with {curvature:g} / m, expected one '
+                         f'of {angles}')
+    return rows
 
 
-def effects_at(table: PrimitiveTable, numbers: IntArray, lengths: FloatArray,
-               draws: IntArray | slice = COMMON) -> Effects:
+def effects_at(table: PrimitiveTable, rows: IntArray, lengths: FloatArray,
+               samples: IntArray | slice = COMMON) -> Effects:
     """
     Compute what primitives do, in axes of the face that they push.
 
     :param table: of primitives.
-    :param numbers: of the primitives, shape (m,).
+    :param rows: of the primitives, shape (m,).
     :param lengths: driven, shape (l,) [m].
-    :param draws: guesses of friction that mean and spread are over.
+    :param samples: of friction, over which mean and deviation are.
     :return: effects of shape (m, l, 3).
     """
     displacements = interpolate_displacements(
-        table.lengths, table.displacements[numbers][:, draws], np.asarray(lengths, dtype=float))
-    normals = np.array([table.face_points[place].normal
-                        for place in table.point_indices[numbers].tolist()])
+        table.lengths, table.displacements[rows][:, samples], np.asarray(lengths, dtype=float))
+    normals = np.array([table.face_points[point].normal
+                        for point in table.point_indices[rows].tolist()])
     c, s = np.cos(normals)[:, None, None], np.sin(normals)[:, None, None]
     x, y, theta = np.moveaxis(displacements, -1, 0)
     effects = np.stack([s * x - c * y, c * x + s * y, theta], axis=-1)

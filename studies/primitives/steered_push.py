@@ -60,16 +60,16 @@ def steered_vertices(obj: PushedObject, robot: RoundRobot, speed: float) -> list
     :param speed: of the contact [m/s].
     :return: one for each such vertex.
     """
-    found: list[SteeredVertex] = []
+    vertices: list[SteeredVertex] = []
     for index, corner in enumerate(obj.outline):
         limits = steering_range(obj, Contact('vertex', index), robot, speed)
         if limits is None or not limits[0].curvature < 0.0 < limits[1].curvature:
             continue
         turning = vehicle(obj, corner)
         x, y = turning.flat_output
-        found.append(SteeredVertex(Pose(x, y, turning.angle), 1.0 / limits[1].curvature,
-                                   -1.0 / limits[0].curvature))
-    return found
+        vertices.append(SteeredVertex(Pose(x, y, turning.angle), 1.0 / limits[1].curvature,
+                                      -1.0 / limits[0].curvature))
+    return vertices
 
 
 def path_length(vertex: SteeredVertex, goal: Pose) -> float:
@@ -108,8 +108,8 @@ def compute(values: Values, _: RunJobs) -> Outcome:
     tables: dict[str, Table] = {}
     findings: dict[str, Finding] = {}
     for drive in DRIVES:
-        tables[drive], found = _compare(obj, dataclasses.replace(robot, drive=drive), values)
-        findings.update(found)
+        tables[drive], compared = _compare(obj, dataclasses.replace(robot, drive=drive), values)
+        findings.update(compared)
     return Outcome(tables, findings)
 
 

@@ -25,7 +25,7 @@ PARAMETERS = (
     Parameter('offset', 'm', 'distance of the simulated pushes from the middle of the face'))
 # Places around the outline, chosen: a multiple of 8, so that vertices and middles of the faces of
 # a square are among them.
-PLACES = 144
+BEARINGS = 144
 # Rows of the simulated pushes; chosen for the figure.
 SAMPLES = 30
 # Speed of the simulated robot [m/s]: that of a slow push.
@@ -48,13 +48,13 @@ def compute(values: Values, _: RunJobs) -> Outcome:
 
 def _around(obj: PushedObject) -> Table:
     """Wheelbase over the bearing of the contact from the mass centre."""
-    bearings = np.linspace(-math.pi, math.pi, PLACES + 1)
+    bearings = np.linspace(-math.pi, math.pi, BEARINGS + 1)
     rows: list[tuple[float, ...]] = []
     for bearing in bearings.tolist():
         point = _on_outline(obj, bearing)
         ranges = unknown_loads(obj, point)
-        believed = vehicle(obj, point)
-        rows.append((bearing, believed.wheelbase, *ranges.wheelbase, believed.c_squared,
+        nominal = vehicle(obj, point)
+        rows.append((bearing, nominal.wheelbase, *ranges.wheelbase, nominal.c_squared,
                      *ranges.c_squared))
     names = ('bearing_rad', 'wheelbase_m', 'least_wheelbase_m', 'greatest_wheelbase_m',
              'c_squared_m2', 'least_c_squared_m2', 'greatest_c_squared_m2')
@@ -108,7 +108,7 @@ def _first_vertex(obj: PushedObject, around: Table) -> int:
 def _findings(tables: dict[str, Table], vertex: int, values: Values) -> dict[str, Finding]:
     around, pushes = tables['around'], tables['pushes']
     span = around['greatest_wheelbase_m'] - around['least_wheelbase_m']
-    believed = float(around['c_squared_m2'][vertex])
+    nominal = float(around['c_squared_m2'][vertex])
     ends = [abs(math.degrees(pushes[f'{name}_rad'][-1])) for name in LOADS]
     prior = ControlSettings().c_squared_log_std
     return {
@@ -118,9 +118,9 @@ def _findings(tables: dict[str, Table], vertex: int, values: Values) -> dict[str
         'greatest': Finding(float(around['greatest_wheelbase_m'][vertex]), 'm', 'greatest'),
         'narrowest': Finding(MILLIMETRES * float(span.min()), 'mm',
                              'range of the wheelbase where loads matter least'),
-        'least_ratio': Finding(float(around['least_c_squared_m2'][vertex]) / believed, '',
+        'least_ratio': Finding(float(around['least_c_squared_m2'][vertex]) / nominal, '',
                                'least c^2 over the believed one'),
-        'greatest_ratio': Finding(float(around['greatest_c_squared_m2'][vertex]) / believed, '',
+        'greatest_ratio': Finding(float(around['greatest_c_squared_m2'][vertex]) / nominal, '',
                                   'greatest c^2 over the believed one'),
         'prior_low': Finding(math.exp(-2.0 * prior), '', 'the same at two standard deviations of '
                              'the default of control.c_squared_log_std'),
@@ -136,9 +136,9 @@ def draw(figure: Figure, outcome: Outcome, _: Values) -> None:
     left, right = figure.subplots(1, 2)
     _draw_ranges(left, outcome.tables['around'])
     pushes = outcome.tables['pushes']
-    for number, (name, label) in enumerate(LOADS.items()):
+    for index, (name, label) in enumerate(LOADS.items()):
         right.plot(pushes['length_m'], np.degrees(pushes[f'{name}_rad']), label=label,
-                   **plot_style.series(number))
+                   **plot_style.series(index))
     right.set(xlabel='driven length [m]', ylabel='rotation [deg]')
     right.legend()
 

@@ -128,16 +128,16 @@ def read_recordings(folder: Path) -> tuple[BlockRecording, ...]:
 
 def _read(path: Path) -> _RawFile:
     name = path.name.removesuffix('.xz').removesuffix('.txt')
-    floor, *places = name.split('_')
-    if floor not in FLOOR_FRICTION or len(places) != 6:
+    floor, *coordinates = name.split('_')
+    if floor not in FLOOR_FRICTION or len(coordinates) != 6:
         raise ValueError(f'{path.name}: expected FLOOR_x1_x2_x3_y1_y2_y3.txt with a floor of '
                          f'{", ".join(FLOOR_FRICTION)}')
-    numbers = [MILLIMETRE * float(place) for place in places]
+    positions = [MILLIMETRE * float(coordinate) for coordinate in coordinates]
     friction = FLOOR_FRICTION[floor] / (MASS * GRAVITY)
     obj = PushedObject(MASS, outline=OUTLINE, center_of_mass=CENTER_OF_MASS,
                        contact_friction_coefficient=CONTACT_FRICTION,
                        supports=tuple(Support(x, y, friction)
-                                      for x, y in zip(numbers[:3], numbers[3:])))
+                                      for x, y in zip(positions[:3], positions[3:])))
     opener = lzma.open if path.suffix == '.xz' else open
     with opener(path, 'rt', encoding='utf-8') as stream:
         rows = iter(stream.read().splitlines())

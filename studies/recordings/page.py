@@ -56,26 +56,28 @@ def _row(head: str, cells: Sequence[str]) -> str:
 
 def _end_row(reports: Sequence[RecordingReport], parameters: str, model: str) -> str:
     """Write the errors of pose in which pushes end, recording by recording and all together."""
-    found = select(reports, parameters, model)
+    rows = select(reports, parameters, model)
+    rows = [*rows, _pooled(rows)]
     return _row(f'{model}, {parameters}',
                 [f'{_pair(MILLIMETRES * errors.position)} mm, '
-                 f'{_pair(np.degrees(errors.heading))}°' for errors in (*found, _pooled(found))])
+                 f'{_pair(np.degrees(errors.heading))}°' for errors in rows])
 
 
 def _force_row(reports: Sequence[RecordingReport], parameters: str) -> str:
     """Write the errors of the contact force, recording by recording and all together."""
-    found = select(reports, parameters, QUASI_STATIC)
+    rows = select(reports, parameters, QUASI_STATIC)
+    rows = [*rows, _pooled(rows)]
     return _row(f'direction of the force, size over the recorded one, {parameters}',
                 [f'{_pair(np.degrees(errors.force_direction))}°, '
-                 f'{np.median(errors.force_ratio):.2f}' for errors in (*found, _pooled(found))])
+                 f'{np.median(errors.force_ratio):.2f}' for errors in rows])
 
 
 def _identification_row(report: RecordingReport) -> str:
     """Write what was identified, with its 95 % interval."""
-    found, friction = report.identification, report.identification.contact_friction
-    center = [f'{MILLIMETRES * number.value:.1f} ({MILLIMETRES * number.low:.1f} to '
-              f'{MILLIMETRES * number.high:.1f})'
-              for number in (found.friction_center_x, found.friction_center_y)]
+    estimate, friction = report.identification, report.identification.contact_friction
+    center = [f'{MILLIMETRES * interval.value:.1f} ({MILLIMETRES * interval.low:.1f} to '
+              f'{MILLIMETRES * interval.high:.1f})'
+              for interval in (estimate.friction_center_x, estimate.friction_center_y)]
     return _row(_short(report.recording.name), [
         ', '.join(center), f'{friction.value:.2f} ({friction.low:.2f} to {friction.high:.2f})'])
 
@@ -91,9 +93,9 @@ def save_picture(reports: Sequence[RecordingReport], path: Path) -> None:
         figure = Figure(figsize=(7.6, 3.6), layout='constrained')
         FigureCanvasAgg(figure)
         left, right = figure.subplots(1, 2, sharey=True)
-        for number, (parameters, model) in enumerate(KINDS):
+        for index, (parameters, model) in enumerate(KINDS):
             pooled = _pooled(select(reports, parameters, model))
-            style = plot_style.series(number)
+            style = plot_style.series(index)
             fractions = np.arange(1, len(pooled.position) + 1) / len(pooled.position)
             left.plot(np.sort(MILLIMETRES * pooled.position), fractions,
                       label=f'{model}, {parameters}', **style)
@@ -108,9 +110,9 @@ def save_picture(reports: Sequence[RecordingReport], path: Path) -> None:
         figure.savefig(path, dpi=plot_style.DPI, metadata={'Software': None})
 
 
-def _pooled(found: Sequence[Errors]) -> Errors:
-    return Errors('all', found[0].model, found[0].parameters,
-                  *(np.concatenate([getattr(errors, name) for errors in found])
+def _pooled(selected: Sequence[Errors]) -> Errors:
+    return Errors('all', selected[0].model, selected[0].parameters,
+                  *(np.concatenate([getattr(errors, name) for errors in selected])
                     for name in ('position', 'heading', 'force_direction', 'force_ratio')))
 
 
@@ -122,5 +124,6 @@ def _pair(values: FloatArray) -> str:
 
 def _short(name: str) -> str:
     """Name floor and feet as a reader finds them."""
-    floor, *places = name.split('_')
-    return f'{floor}, feet ' + ' '.join(f'({x}, {y})' for x, y in zip(places[:3], places[3:]))
+    floor, *coordinates = name.split('_')
+    return f'{floor}, feet ' + ' '.join(
+        f'({x}, {y})' for x, y in zip(coordinates[:3], coordinates[3:]))

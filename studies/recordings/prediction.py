@@ -70,15 +70,15 @@ def report(recording: BlockRecording) -> RecordingReport:
     :return: the report.
     """
     used = [push.motion for push in recording.pushes[::SELECTED]]
-    tested = [push for number, push in enumerate(recording.pushes) if number % SELECTED]
-    found = identify(recording.object, ROD_RADIUS, used, IDENTIFIED)
-    scale = _force_scale(found.object, recording.pushes[::SELECTED])
-    fitted = {UNFITTED: (recording.object, 1.0), FITTED: (found.object, scale)}
+    tested = [push for index, push in enumerate(recording.pushes) if index % SELECTED]
+    identification = identify(recording.object, ROD_RADIUS, used, IDENTIFIED)
+    scale = _force_scale(identification.object, recording.pushes[::SELECTED])
+    fitted = {UNFITTED: (recording.object, 1.0), FITTED: (identification.object, scale)}
     errors: list[Errors] = []
     for name, (obj, force_scale) in fitted.items():
         errors.append(_quasi_static(recording.name, name, obj, force_scale, tested))
         errors.append(_by_plant(recording.name, name, obj, tested))
-    return RecordingReport(recording, found, tuple(errors))
+    return RecordingReport(recording, identification, tuple(errors))
 
 
 def _force_scale(obj: PushedObject, pushes: Sequence[BlockPush]) -> float:
@@ -91,11 +91,11 @@ def _force_scale(obj: PushedObject, pushes: Sequence[BlockPush]) -> float:
 def _integrated(obj: PushedObject, pushes: Sequence[BlockPush]) -> tuple[FloatArray, FloatArray]:
     """Return ends (n, 3) and mean forces (n, 2)."""
     starts, _, paths = stacked([push.motion for push in pushes], POINTS)
-    found = integrate_slow_pushes(Shape.of(obj), SupportArrays.of(obj),
-                                  obj.contact_friction_coefficient, ROD_RADIUS, starts, paths)
-    presses = np.abs(found.forces).sum(axis=2) > 0.0
+    integrated = integrate_slow_pushes(Shape.of(obj), SupportArrays.of(obj),
+                                       obj.contact_friction_coefficient, ROD_RADIUS, starts, paths)
+    presses = np.abs(integrated.forces).sum(axis=2) > 0.0
     counts = np.maximum(presses.sum(axis=1), 1)
-    return found.poses[:, -1], found.forces.sum(axis=1) / counts[:, None]
+    return integrated.poses[:, -1], integrated.forces.sum(axis=1) / counts[:, None]
 
 
 def _quasi_static(name: str, parameters: str, obj: PushedObject, force_scale: float,

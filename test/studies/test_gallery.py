@@ -68,7 +68,7 @@ def test_every_study_is_drawn_and_has_tables(study: Study, tmp_path: Path) -> No
 def test_the_command_writes_figures_and_page(tmp_path):
     figures = ['2.11', '2.12']
     page = tmp_path / 'page.md'
-    page.write_text(f'{gallery.BEGIN}\n{gallery.END}\n', encoding='utf-8')
+    page.write_text(f'{gallery.START}\n{gallery.END}\n', encoding='utf-8')
     assert cli.main(['run', *figures, '--out', str(tmp_path / 'studies'), '--page',
                      str(page)]) == 0
     results = [StudyResult(study, title(study), outcome_of(study).findings,

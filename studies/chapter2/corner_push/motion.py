@@ -63,9 +63,9 @@ def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
         poses = [Pose(*row) for row in zip(table['x_m'], table['y_m'], table['theta_rad'])]
         for pose in poses[::(SAMPLES - 1) // OUTLINE_INTERVALS]:
             _draw_box(axes, obj, pose, direction)
-        for number, (point, label) in enumerate(points):
+        for index, (point, label) in enumerate(points):
             axes.plot(*zip(*(pose.transform(point) for pose in poses)), label=label,
-                      **plot_style.series(number))
+                      **plot_style.series(index))
         axes.set_title(TITLES[name], loc='left')
         axes.set_aspect('equal')
         axes.set_xlabel('x [m]')
@@ -86,8 +86,8 @@ def _draw_box(axes: Axes, obj: PushedObject, pose: Pose, direction: float) -> No
 def _fitted_radius(points: FloatArray) -> float:
     """Fit a circle with centre m and radius R: |p|^2 = 2 p . m + (R^2 - |m|^2); return R."""
     rows = np.column_stack([2.0 * points, np.ones(len(points))])
-    x, y, rest = np.linalg.lstsq(rows, (points ** 2).sum(axis=1), rcond=None)[0]
-    return math.sqrt(rest + x * x + y * y)
+    x, y, constant = np.linalg.lstsq(rows, (points ** 2).sum(axis=1), rcond=None)[0]
+    return math.sqrt(constant + x * x + y * y)
 
 
 def _table(times: FloatArray, poses: FloatArray, rates: FloatArray) -> Table:

@@ -59,9 +59,9 @@ def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
     """Draw both rates and their ratio."""
     table, simulated = outcome.tables['rates'], outcome.tables['simulated']
     left, right = figure.subplots(1, 2)
-    for number, (name, label) in enumerate((('dynamic_rad_s', 'dynamic, steady'),
-                                            ('quasi_static_rad_s', 'quasi-static'))):
-        left.plot(table['speed_m_s'], table[name], label=label, **plot_style.series(number))
+    for index, (name, label) in enumerate((('dynamic_rad_s', 'dynamic, steady'),
+                                           ('quasi_static_rad_s', 'quasi-static'))):
+        left.plot(table['speed_m_s'], table[name], label=label, **plot_style.series(index))
     left.plot(simulated['speed_m_s'], simulated['omega_rad_s'], 'o', markersize=5.0,
               clip_on=False, zorder=4, markerfacecolor='white', markeredgecolor=plot_style.INK,
               label='contact simulation')

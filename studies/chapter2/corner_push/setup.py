@@ -96,7 +96,7 @@ def integrated_push(obj: PushedObject, direction: float, speed: float,
     return integrate(obj, FIXED, body_fixed_push(direction, speed), start, times)[1]
 
 
-def relative_spread(curves: FloatArray) -> float:
+def relative_range(curves: FloatArray) -> float:
     """
     Compute the largest relative difference between curves at the same abscissa.
 
@@ -118,9 +118,9 @@ def draw_rates(axes: Axes, speeds: FloatArray, curves: Sequence[FloatArray],
     :param labels: k texts.
     :param step: as for ``plot_style.nested_series``.
     """
-    for number, (curve, label) in enumerate(zip(curves, labels)):
+    for index, (curve, label) in enumerate(zip(curves, labels)):
         axes.plot(speeds, curve, label=label,
-                  **plot_style.nested_series(number, len(labels), step))
+                  **plot_style.nested_series(index, len(labels), step))
     axes.set_xlabel(SPEED_LABEL)
     axes.set_ylabel(RATE_LABEL)
     axes.set_xlim(0.0, speeds[-1])

@@ -33,9 +33,9 @@ def push_by_robot(obj: PushedObject, direction: float, speed: float, radius: flo
     behind = Pose(*obj.outline[0], direction).transform((-radius, 0.0))
     plant = Plant(obj, robot, Pose(0.0, 0.0, 0.0), Pose(*behind, direction), STEP)
     truths: list[Truth] = []
-    for number in range(round(duration / STEP)):
+    for step in range(round(duration / STEP)):
         plant.advance(STEP, _command(plant, direction, speed))
-        truths.append(plant.truth((number + 1) * STEP))
+        truths.append(plant.truth((step + 1) * STEP))
     return truths
 
 

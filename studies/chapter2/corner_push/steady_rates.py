@@ -10,7 +10,7 @@ from push_model.geometry import FloatArray
 from push_model.parameters import PushedObject
 from studies.analysis.steady_turn import steady_force
 from studies.chapter2.corner_push.setup import (
-    draw_rates, integrated_push, MAX_SPEED, push_direction, pushed_box, relative_spread, SHAPE,
+    draw_rates, integrated_push, MAX_SPEED, push_direction, pushed_box, relative_range, SHAPE,
     SPEED_LABEL, speed_samples, steady_yaw_rates,
 )
 from studies.framework import plot_style
@@ -107,9 +107,9 @@ def _compute(make_boxes: Callable[[Values], Boxes], values: Values, _: RunJobs) 
              for obj in make_boxes(values).values()]
     curves, expected, ends, rises, forces = (np.array(column) for column in zip(*boxes))
     findings = {
-        'spread': Finding(relative_spread(curves), '',
+        'spread': Finding(relative_range(curves), '',
                           'largest relative difference between the curves'),
-        'integrated_spread': Finding(relative_spread(ends), '',
+        'integrated_spread': Finding(relative_range(ends), '',
                                      'the same between the ends of the integrated motions'),
         'integration_error': Finding(float(np.abs(ends / expected - 1.0).max()), '', 'largest '
                                      'relative difference of the end of an integrated motion from '
@@ -156,9 +156,9 @@ def _draw_rates(make_boxes: Callable[[Values], Boxes], figure: Figure, outcome: 
     speeds, *curves = outcome.tables['steady'].values()
     checked, *ends = outcome.tables['integrated'].values()
     draw_rates(axes, speeds, curves, labels, step=0.0)
-    for number, end in enumerate(ends):
+    for index, end in enumerate(ends):
         axes.plot(checked, end, 'o', markersize=5.0, markerfacecolor='white', clip_on=False,
-                  markeredgecolor=plot_style.series(number)['color'], zorder=4)
+                  markeredgecolor=plot_style.series(index)['color'], zorder=4)
     axes.plot([], [], 'o', markersize=6.0, markerfacecolor='white',
               markeredgecolor=plot_style.INK, label='end of the\nintegrated\nmotion')
     axes.legend(loc='upper left', bbox_to_anchor=(1.01, 1.0))
@@ -181,9 +181,9 @@ def _draw_effects(make_boxes: Callable[[Values], Boxes], figure: Figure, outcome
                                  (RISE_TIME.replace(' of the', '\nof the') + ' [s]',
                                   'contact force, steady [N]')):
         checked, *columns = outcome.tables[name].values()
-        for number, column in enumerate(columns):
-            axes.plot(checked, column, label=labels[number], clip_on=False,
-                      **plot_style.series(number))
+        for index, column in enumerate(columns):
+            axes.plot(checked, column, label=labels[index], clip_on=False,
+                      **plot_style.series(index))
         axes.set_ylabel(label)
         axes.set_xlabel(SPEED_LABEL)
         axes.set_xlim(0.0, speeds[-1])
@@ -192,8 +192,8 @@ def _draw_effects(make_boxes: Callable[[Values], Boxes], figure: Figure, outcome
 
 
 def _table(speeds: FloatArray, curves: FloatArray, name: str = 'omega_{}_rad_s') -> Table:
-    return {'speed_m_s': speeds, **{name.format(number + 1): curve
-                                    for number, curve in enumerate(curves)}}
+    return {'speed_m_s': speeds, **{name.format(index + 1): curve
+                                    for index, curve in enumerate(curves)}}
 
 
 def _study(figure: str, subject: str, parameters: tuple[Parameter, ...],

@@ -8,7 +8,7 @@ from matplotlib.lines import Line2D
 import numpy as np
 from push_model.parameters import PushedObject
 from studies.chapter2.corner_push.setup import (
-    draw_rates, MAX_SPEED, push_direction, pushed_box, relative_spread, SHAPE, speed_samples,
+    draw_rates, MAX_SPEED, push_direction, pushed_box, relative_range, SHAPE, speed_samples,
     steady_yaw_rates,
 )
 from studies.framework import plot_style
@@ -34,10 +34,10 @@ def compute(values: Values, _: RunJobs) -> Outcome:
     curves = np.array([steady_yaw_rates(_box(values, name), direction, speeds)
                        for name in values.patterns])
     findings = {
-        'slow_spread': Finding(relative_spread(curves[:, :1]), '', 'largest relative difference '
+        'slow_spread': Finding(relative_range(curves[:, :1]), '', 'largest relative difference '
                                f'between the curves at {speeds[0]:g} m/s'),
-        'spread': Finding(relative_spread(curves), '', 'the same at any speed'),
-        'fast_spread': Finding(relative_spread(curves[:, -1:]), '',
+        'spread': Finding(relative_range(curves), '', 'the same at any speed'),
+        'fast_spread': Finding(relative_range(curves[:, -1:]), '',
                                f'the same at {speeds[-1]:g} m/s')}
     columns = {f'{name}_rad_s': curve for name, curve in zip(values.patterns, curves)}
     return Outcome({'steady': {'speed_m_s': speeds, **columns}}, findings)
@@ -48,13 +48,13 @@ def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
     speeds, *curves = outcome.tables['steady'].values()
     grid = figure.add_gridspec(len(curves), 2, width_ratios=(5.0, 1.0))
     draw_rates(figure.add_subplot(grid[:, 0]), speeds, curves, values.patterns, step=0.0)
-    for number, name in enumerate(values.patterns):
-        _draw_icon(figure.add_subplot(grid[number, 1]), _box(values, name), number, name,
+    for index, name in enumerate(values.patterns):
+        _draw_icon(figure.add_subplot(grid[index, 1]), _box(values, name), index, name,
                    push_direction(values))
 
 
-def _draw_icon(axes: Axes, obj: PushedObject, number: int, name: str, direction: float) -> None:
-    style, half_side = plot_style.series(number), abs(obj.outline[0][0])
+def _draw_icon(axes: Axes, obj: PushedObject, index: int, name: str, direction: float) -> None:
+    style, half_side = plot_style.series(index), abs(obj.outline[0][0])
     axes.fill(*zip(*obj.outline), facecolor='none', edgecolor=plot_style.GREY, linewidth=0.8)
     axes.plot([support.x for support in obj.supports], [support.y for support in obj.supports],
               'o', color=style['color'], markersize=3.2 if len(obj.supports) < 9 else 1.6)

@@ -52,12 +52,12 @@ def transients(objects: Sequence[PushedObject], values: Values) -> Transients:
     table: Table = {'time_s': times}
     rise_times: list[float] = []
     errors: list[float] = []
-    for number, obj in enumerate(objects):
+    for index, obj in enumerate(objects):
         omega = integrated_push(obj, direction, values.speed, times)[:, 3]
         steady = steady_yaw_rates(obj, direction, [values.speed])[0]
         rise_times.append(np.interp(RISE_FRACTION, omega / steady, times))
         errors.append(abs(omega[-1] / steady - 1.0))
-        table[f'omega_{number + 1}_rad_s'] = omega
+        table[f'omega_{index + 1}_rad_s'] = omega
     return Transients(table, np.array(rise_times), np.array(errors))
 
 
@@ -105,10 +105,10 @@ def _draw(make_boxes: Callable[[Values], Boxes], figure: Figure, outcome: Outcom
     panels = figure.subplots(1, len(outcome.tables), sharey=True, squeeze=False)[0]
     for axes, (name, table) in zip(panels, outcome.tables.items()):
         times, *curves = table.values()
-        for number, (curve, label) in enumerate(zip(curves, labels)):
+        for index, (curve, label) in enumerate(zip(curves, labels)):
             # The curves of uniform plates coincide.
-            style = (plot_style.nested_series(number, len(labels)) if name == 'uniform_plate'
-                     else plot_style.series(number))
+            style = (plot_style.nested_series(index, len(labels)) if name == 'uniform_plate'
+                     else plot_style.series(index))
             axes.plot(times, curve, label=label, **style)
         axes.axhline(outcome.findings['steady'].value, color=plot_style.GREY, linewidth=0.8,
                      zorder=1, label='steady rate')

@@ -78,8 +78,8 @@ def _study(figure: str, ahead: float) -> Study:
         Parameter('ahead', 'm', 'centre of friction ahead of the contact, n_fc', ahead),
         CONTACT_FRICTION, SUPPORT_SPREAD,
         Parameter('max_rho', 'rad', 'range of the pushing angle that is drawn')),
-        compute, draw, lambda found: OBSERVATIONS[_kind(found['margin'])],
-        lambda found: EXPLANATIONS[_kind(found['margin'])])
+        compute, draw, lambda findings: OBSERVATIONS[_kind(findings['margin'])],
+        lambda findings: EXPLANATIONS[_kind(findings['margin'])])
 
 
 STUDIES = (_study('2.11', 0.3), _study('2.12', 0.5), _study('2.13', 0.7))

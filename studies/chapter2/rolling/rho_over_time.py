@@ -71,9 +71,9 @@ def pushed_object(values: Values) -> PushedObject:
     :param values: with the parameters of the study.
     :return: the object, its middle at the origin.
     """
-    ahead, aside = friction_center_from_contact(values)
-    x, y, spread = ahead - values.object_radius, aside, values.support_spread
-    points = ((x + spread, y), (x, y + spread), (x - spread, y), (x, y - spread))
+    ahead, lateral = friction_center_from_contact(values)
+    x, y, distance = ahead - values.object_radius, lateral, values.support_spread
+    points = ((x + distance, y), (x, y + distance), (x - distance, y), (x, y - distance))
     supports = tuple(Support(*point, values.friction_coefficient) for point in points)
     return PushedObject(values.mass, 0.0, supports, radius=values.object_radius,
                         center_of_mass=(x, y),
@@ -108,15 +108,17 @@ def _needed_friction(obj: PushedObject, location: PushingLocation, states: Float
 
 def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
     """Draw the pushing angle over time."""
-    axes, table, rest = figure.subplots(), outcome.tables['rho'], outcome.findings['rest'].value
-    axes.axhline(rest, color=plot_style.GREY, linewidth=0.8, label='equilibrium')
+    axes, table = figure.subplots(), outcome.tables['rho']
+    equilibrium = outcome.findings['rest'].value
+    axes.axhline(equilibrium, color=plot_style.GREY, linewidth=0.8, label='equilibrium')
     axes.plot(table['time_s'], table['rho_rad'], label='full dynamics', **plot_style.series(0))
     axes.plot(table['time_s'], table['linear_rho_rad'], label='linearized motion',
               **plot_style.series(1))
     axes.set_xlabel('time [s]')
     axes.set_ylabel('pushing angle $\\rho$ [rad]')
     axes.set_xlim(0.0, values.duration)
-    axes.set_ylim(rest - 0.85 * values.initial_deviation, rest + 1.1 * values.initial_deviation)
+    axes.set_ylim(equilibrium - 0.85 * values.initial_deviation,
+                  equilibrium + 1.1 * values.initial_deviation)
     axes.legend(loc='upper right')
 
 
@@ -141,15 +143,15 @@ def _swing(times: FloatArray, deviation: FloatArray, initial: float) -> Swing:
     return Swing(max(0.0, float(np.max(-deviation / initial))), float(frequency))
 
 
-def _observation(found: Mapping[str, float]) -> str:
-    if found['overshoot'] < MIN_OVERSHOOT:
+def _observation(findings: Mapping[str, float]) -> str:
+    if findings['overshoot'] < MIN_OVERSHOOT:
         return 'Rho decays to its equilibrium, {rest:.2f} rad, without overshoot.'
     return ('Rho overshoots its equilibrium ({rest:.2f} rad) by {overshoot:.2f} of the initial '
             'deviation (dashed: linearized).')
 
 
-def _explanation(found: Mapping[str, float]) -> str:
-    if found['ratio'] >= 1.0:
+def _explanation(findings: Mapping[str, float]) -> str:
+    if findings['ratio'] >= 1.0:
         return 'At {speed:g} m/s the damping ratio is {ratio:.2f}.'
     return ('Damping is inversely proportional to the speed: at {speed:g} m/s its ratio is '
             '{ratio:.2f}.')

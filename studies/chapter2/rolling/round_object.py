@@ -28,11 +28,11 @@ class FromContact(NamedTuple):
     Position of the centre of friction, seen from the contact.
 
     :param ahead: along the normal [m].
-    :param aside: along the tangent, to the left [m].
+    :param lateral: along the tangent, to the left [m].
     """
 
     ahead: float
-    aside: float
+    lateral: float
 
 
 def friction_center_from_contact(values: Values) -> FromContact:
@@ -51,10 +51,10 @@ def friction_center_from_contact(values: Values) -> FromContact:
         raise ValueError(f'distance_from: got {values.distance_from!r}, expected one of '
                          f'{", ".join(ORIGINS)}')
     along = values.center_distance * math.cos(values.beta)
-    aside = values.center_distance * math.sin(values.beta)
+    lateral = values.center_distance * math.sin(values.beta)
     if values.distance_from == 'centre':
-        return FromContact(values.object_radius + along, aside)
-    return FromContact(-along, aside)
+        return FromContact(values.object_radius + along, lateral)
+    return FromContact(-along, lateral)
 
 
 def pushing_location_of(values: Values) -> PushingLocation:

@@ -17,24 +17,24 @@ SUPPORT_SPREAD = Parameter('support_spread', 'm', 'distance of the four support 
 SAMPLES = 1201
 
 
-def cross(spread: float) -> SupportArrays:
+def cross(distance: float) -> SupportArrays:
     """
     Place four support points in a cross about the centre of friction, at the origin.
 
-    :param spread: distance of the support points from the middle [m].
+    :param distance: of the support points from the middle [m].
     :return: the support points; how great their friction is does not matter here.
     """
-    points = ((spread, 0.0), (0.0, spread), (-spread, 0.0), (0.0, -spread))
+    points = ((distance, 0.0), (0.0, distance), (-distance, 0.0), (0.0, -distance))
     return SupportArrays(np.array(points), np.ones(len(points)))
 
 
-def slow_motion(location: PushingLocation, spread: float, contact_friction: float,
+def slow_motion(location: PushingLocation, support_distance: float, contact_friction: float,
                 rotations: FloatArray, rho: FloatArray) -> ContactMotion:
     """
     Find the motion of a slowly pushed object at several states, in the axes of the push.
 
     :param location: where the object is pushed, at pushing angle 0 at the reference.
-    :param spread: of its support points [m].
+    :param support_distance: of its support points [m].
     :param contact_friction: mu_c.
     :param rotations: of the object from the reference, shape (n,) [rad].
     :param rho: pushing angles, shape (n,) [rad]; those of ``location.rho`` where the contact has
@@ -44,7 +44,7 @@ def slow_motion(location: PushingLocation, spread: float, contact_friction: floa
     center = _center_from_contact(location, rotations, rho)
     points = -_rotated_rows(-rotations, *center)
     pushes = _rotated_rows(-rotations, np.ones_like(rotations), np.zeros_like(rotations))
-    motion = contact_motion(cross(spread), points, -rho - rotations, pushes,
+    motion = contact_motion(cross(support_distance), points, -rho - rotations, pushes,
                             contact_friction)
     return motion._replace(velocities=_rotated_rows(rotations, *motion.velocities.T),
                            forces=_rotated_rows(rotations, *motion.forces.T))
@@ -62,19 +62,20 @@ class RollingRange(NamedTuple):
     high: float
 
 
-def rolling_range(location: PushingLocation, spread: float, contact_friction: float,
+def rolling_range(location: PushingLocation, support_distance: float, contact_friction: float,
                   max_rho: float) -> RollingRange:
     """
     Find where the contact force leaves the friction cone.
 
     :param location: where the object is pushed.
-    :param spread: of its support points [m].
+    :param support_distance: of its support points [m].
     :param contact_friction: mu_c.
     :param max_rho: range that is searched [rad].
     :return: nearest pushing angles to 0 with sliding, or the ends of the range.
     """
     rho = np.linspace(-max_rho, max_rho, SAMPLES, dtype=np.float64)
-    motion = slow_motion(location, spread, contact_friction, location.rotation_at(rho), rho)
+    motion = slow_motion(location, support_distance, contact_friction, location.rotation_at(rho),
+                         rho)
     slides = motion.slides != 0
     below, above = rho[slides & (rho < 0.0)], rho[slides & (rho > 0.0)]
     return RollingRange(float(below.max(initial=-max_rho)), float(above.min(initial=max_rho)))
@@ -94,7 +95,7 @@ class Releases(NamedTuple):
     slides: Any
 
 
-def push_from(location: PushingLocation, spread: float, contact_friction: float,
+def push_from(location: PushingLocation, support_distance: float, contact_friction: float,
               initial_rho: FloatArray, distances: FloatArray) -> Releases:
     """
     Integrate slow pushes of a round object by a round robot, rolling and sliding.
@@ -103,7 +104,7 @@ def push_from(location: PushingLocation, spread: float, contact_friction: float,
     ``gamma' = (v_O - v_P) . t / (R_p + R_s)``, and ``v_O . t = v_C . t + omega R_s``.
 
     :param location: of two round surfaces.
-    :param spread: of the support points [m].
+    :param support_distance: of the support points [m].
     :param contact_friction: mu_c.
     :param initial_rho: pushing angles of the release, rolled from the reference, shape (k,) [rad].
     :param distances: of the robot, ascending and evenly spaced, shape (n,) [m].
@@ -113,7 +114,7 @@ def push_from(location: PushingLocation, spread: float, contact_friction: float,
 
     def slope(state: FloatArray) -> tuple[FloatArray, Any]:
         rotations, rho = state
-        motion = slow_motion(location, spread, contact_friction, rotations, rho)
+        motion = slow_motion(location, support_distance, contact_friction, rotations, rho)
         tangents = np.column_stack([np.sin(rho), np.cos(rho)])
         slip = (motion.velocities * tangents).sum(axis=1) - np.sin(rho)
         gamma_rate = (slip + motion.yaw_rates * location.object_radius) / total

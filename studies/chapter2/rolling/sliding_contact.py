@@ -28,16 +28,16 @@ PASSED = 0.5 * math.pi - 0.02
 def compute(values: Values, _: RunJobs) -> Outcome:
     """Compute where rolling ends, and integrate pushes from there on."""
     location = pushing_location_of(values)
-    spread, friction = values.support_spread, values.contact_friction
+    support_distance, friction = values.support_spread, values.contact_friction
     rho = np.linspace(-values.max_rho, values.max_rho, SAMPLES)
     rotations = location.rotation_at(rho)
     tables = alpha_curve.compute_tables(location, 'rho_rad', rho, rotations, location.rho)
-    motion = slow_motion(location, spread, friction, rotations, rho)
+    motion = slow_motion(location, support_distance, friction, rotations, rho)
     tables['alpha'].update(
         rolls=(motion.slides == 0).astype(int), force_angle_rad=motion.force_angles,
         turn=np.where(np.abs(motion.yaw_rates) > alpha_curve.NO_MARGIN,
                       np.sign(motion.yaw_rates), 0.0))
-    rolling = rolling_range(location, spread, friction, values.max_rho)
+    rolling = rolling_range(location, support_distance, friction, values.max_rho)
     # An equilibrium of a rolling contact means nothing where the contact slides.
     middle = alpha_curve.middle_equilibrium(location)
     tables['equilibria'] = {'rho_rad': [middle.rho], 'margin_m': [middle.margin]}
@@ -71,9 +71,9 @@ def _releases(location: PushingLocation, values: Values) -> tuple[Table, float, 
     released = push_from(location, values.support_spread, values.contact_friction,
                          np.array(values.releases), distances)
     table: Table = {'distance_m': distances}
-    for number, start in enumerate(values.releases):
-        table[f'rho_{start:g}_rad'] = released.rho[:, number]
-        table[f'slides_{start:g}'] = released.slides[:, number].astype(int)
+    for index, start in enumerate(values.releases):
+        table[f'rho_{start:g}_rad'] = released.rho[:, index]
+        table[f'slides_{start:g}'] = released.slides[:, index].astype(int)
     # Of each release, the first sample at which the robot has passed the object, 0 for none.
     passes = (released.rho >= PASSED).argmax(axis=0)
     lost = np.flatnonzero(passes)

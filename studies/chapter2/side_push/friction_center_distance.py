@@ -79,9 +79,9 @@ def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
     panels = figure.subplots(2, (len(values.distances) + 1) // 2, sharex=True, squeeze=False)
     for letter, axes, distance in zip('abcdefgh', panels.flat, values.distances):
         axes.axhline(0.0, color=plot_style.GREY, linewidth=0.8)
-        for number, name in enumerate((DISTURBED, UNDISTURBED)):
+        for index, name in enumerate((DISTURBED, UNDISTURBED)):
             _draw_rotation(axes, outcome.tables[name], distance, name,
-                           plot_style.series(number))
+                           plot_style.series(index))
         axes.set_title(f'({letter}) centre of friction at {MILLIMETRES * distance:.0f} mm',
                        loc='left')
         axes.set_xlim(0.0, values.duration)

@@ -103,8 +103,8 @@ def _draw_steady(axes: Axes, outcome: Outcome, now: PushInstant) -> None:
 
 
 def _draw_disturbed(axes: Axes, outcome: Outcome, values: Values) -> None:
-    rest, now = steady_instant(values), steady_instant(values, values.disturbance)
-    sketch.pushed_object(axes, rest.obj, rest.pose, ghost=True)
+    steady, now = steady_instant(values), steady_instant(values, values.disturbance)
+    sketch.pushed_object(axes, steady.obj, steady.pose, ghost=True)
     _draw_instant(axes, now)
     sketch.mass_center(axes, now.mass_center, angle=-10.0, gap=12.0)
     sketch.line(axes, now.contact, now.friction_center)

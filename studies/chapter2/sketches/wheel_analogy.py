@@ -103,24 +103,24 @@ def compute(values: Values, _: RunJobs) -> Outcome:
 def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
     """Draw the object on the robot, steady on the left and disturbed on the right."""
     left, right = figure.subplots(1, 2, sharex=True, sharey=True)
-    rest, now = instant(values, 0.0), instant(values, values.initial_rotation)
-    for axes, drawn in ((left, rest), (right, now)):
+    steady, now = instant(values, 0.0), instant(values, values.initial_rotation)
+    for axes, drawn in ((left, steady), (right, now)):
         sketch.set_up(axes)
-        sketch.pushed_object(axes, rest.obj, rest.pose, ghost=drawn is now)
+        sketch.pushed_object(axes, steady.obj, steady.pose, ghost=drawn is now)
         _draw_wheel(axes, drawn)
-    _draw_rolled_arcs(right, rest, now)
+    _draw_rolled_arcs(right, steady, now)
     left.set_title('(a) steady', loc='left')
     right.set_title('(b) disturbed', loc='left')
 
 
-def _draw_rolled_arcs(axes: Axes, rest: PushInstant, now: PushInstant) -> None:
+def _draw_rolled_arcs(axes: Axes, steady: PushInstant, now: PushInstant) -> None:
     """Mark the arcs over which the contact has rolled, on the robot and on the object."""
-    _draw_rolled_arc(axes, now.robot, now.robot_radius, rest.state.gamma, now.state.gamma)
+    _draw_rolled_arc(axes, now.robot, now.robot_radius, steady.state.gamma, now.state.gamma)
     # Where the contact was on the object, before it has rolled away from there.
-    old = Pose(0.0, 0.0, now.state.theta).rotate((rest.state.c_x, rest.state.c_y))
+    old = Pose(0.0, 0.0, now.state.theta).rotate((steady.state.c_x, steady.state.c_y))
     _draw_rolled_arc(axes, now.pose[:2], now.object_radius, math.atan2(old[1], old[0]),
                      now.state.gamma + math.pi)
-    sketch.label(axes, rest.contact, '$R_e \\theta$', 270.0, gap=14.0, color=sketch.FORCE)
+    sketch.label(axes, steady.contact, '$R_e \\theta$', 270.0, gap=14.0, color=sketch.FORCE)
 
 
 def _draw_wheel(axes: Axes, now: PushInstant) -> None:

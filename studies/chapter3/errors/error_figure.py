@@ -27,13 +27,13 @@ def draw(figure: Figure, table: Table, kind: str, label: str, values: Values) ->
     :param values: with the parameters ``mismatched_push.PARAMETERS``.
     """
     left, right = figure.subplots(1, 2)
-    for number, speed in enumerate(values.speeds):
-        _draw_curve(left, _select(table, kind, SENSING_POINT, speed), number, f'{speed:g} m/s')
+    for index, speed in enumerate(values.speeds):
+        _draw_curve(left, _select(table, kind, SENSING_POINT, speed), index, f'{speed:g} m/s')
     left.set_ylim(bottom=0.0)
     left.set_title('point that senses the contact normal', loc='left')
     right.set_yscale('log')
-    for number, robot in enumerate(ROBOTS):
-        _draw_curve(right, _select(table, kind, robot, values.open_loop_speed), number, robot)
+    for index, robot in enumerate(ROBOTS):
+        _draw_curve(right, _select(table, kind, robot, values.open_loop_speed), index, robot)
     right.axhline(MILLIMETRES * worst(table, [0.0]), color=plot_style.GREY, linewidth=0.8,
                   zorder=1, label='without mismatch, at most')
     right.set_title(f'all robots at {values.open_loop_speed:g} m/s', loc='left')
@@ -84,7 +84,7 @@ def _select(table: Table, kind: str, robot: str, speed: float) -> Table:
     return {name: column[rows] for name, column in table.items()}
 
 
-def _draw_curve(axes: Axes, table: Table, number: int, label: str) -> None:
+def _draw_curve(axes: Axes, table: Table, index: int, label: str) -> None:
     """Draw the errors of which the contact holds; the label says where it slides."""
     errors, holds = table['error'], table['friction_usage'] <= 1.0
     if not holds.all():
@@ -92,5 +92,5 @@ def _draw_curve(axes: Axes, table: Table, number: int, label: str) -> None:
     if axes.get_yscale() == 'log':
         holds = holds & (errors != 0.0)
     size = np.where(holds, MILLIMETRES * table['position_error_m'], np.nan)
-    axes.plot(PERCENT * errors, size, marker=MARKERS[number], markersize=6.5 - 1.5 * number,
-              label=label, **plot_style.series(number))
+    axes.plot(PERCENT * errors, size, marker=MARKERS[index], markersize=6.5 - 1.5 * index,
+              label=label, **plot_style.series(index))

@@ -35,24 +35,24 @@ def findings(table: Table, kind: str, values: Values) -> Findings:
     least, most = sizes[0], sizes[-1]
     first, second = (worst(table, [size], kind=kind, robot=SENSING_POINT,
                            speed_m_s=values.open_loop_speed) for size in sizes[:2])
-    found = {
+    results = {
         'none': _in_millimetres(worst(table, [0.0]), 'largest position error without mismatch'),
         'power': Finding(math.log(second / first) / math.log(sizes[1] / least), '',
                          'power of the error with which the position error begins to grow')}
     for name, speed in (('slow', values.speeds[0]), ('fast', values.speeds[-1])):
-        found[name] = _in_millimetres(
+        results[name] = _in_millimetres(
             worst(table, [most], kind=kind, robot=SENSING_POINT, speed_m_s=speed),
             f'largest position error of the point for {most:.0%} at {speed:g} m/s')
     for name, robot in (('sensing', SENSING_POINT), ('open_loop', OPEN_LOOP_POINT),
                         ('wide', OPEN_LOOP_WIDE)):
         rows = {'kind': kind, 'robot': robot, 'speed_m_s': values.open_loop_speed}
-        found[name] = _in_millimetres(
+        results[name] = _in_millimetres(
             worst(table, [least], **rows),
             f'largest position error for {least:.0%}, {robot}, at {values.open_loop_speed:g} m/s')
-        found[f'{name}_friction'] = Finding(worst(table, [least], 'friction_usage', **rows), '',
-                                            'fraction of the friction angle that this needs')
+        results[f'{name}_friction'] = Finding(worst(table, [least], 'friction_usage', **rows), '',
+                                              'fraction of the friction angle that this needs')
     return {
-        **found,
+        **results,
         'least': Finding(least, '', 'smallest error'),
         'most': Finding(most, '', 'largest error'),
         'low': Finding(values.speeds[0], 'm/s', 'first speed'),
@@ -125,9 +125,9 @@ class Mismatch:
         tables = {'errors': error_table(values, run_jobs, [self.kind])}
         if self.other_kinds:
             tables['others'] = error_table(values, run_jobs, self.other_kinds, [SENSING_POINT])
-        found = findings(tables['errors'], self.kind, values)
-        found.update(self.more_findings(tables['errors'], tables.get('others', {}), values))
-        return Outcome(tables, found, error_figure.page_table(tables['errors'], values))
+        results = findings(tables['errors'], self.kind, values)
+        results.update(self.more_findings(tables['errors'], tables.get('others', {}), values))
+        return Outcome(tables, results, error_figure.page_table(tables['errors'], values))
 
     def draw(self, figure: Figure, outcome: Outcome, values: Values) -> None:
         """Draw the errors at the goal."""

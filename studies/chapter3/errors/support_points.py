@@ -35,8 +35,8 @@ def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
     sketch.set_up(axes)
     sketch.pushed_object(axes, obj, ORIGIN)
     table = outcome.tables['supports']
-    for number, (x, y) in enumerate(zip(table['x_m'], table['y_m']), 1):
-        sketch.label(axes, (x, y), f'$s_{number}$', math.degrees(math.atan2(y, x)), gap=13.0)
+    for index, (x, y) in enumerate(zip(table['x_m'], table['y_m']), 1):
+        sketch.label(axes, (x, y), f'$s_{index}$', math.degrees(math.atan2(y, x)), gap=13.0)
     x, y = table['x_m'][2], table['y_m'][2]
     sketch.dimension(axes, (-x, -y), (x, -y), f'{MILLIMETRES * 2.0 * x:.0f} mm', shift=-0.1,
                      side=-1)

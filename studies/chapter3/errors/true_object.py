@@ -53,17 +53,17 @@ def _imbalance(obj: PushedObject, error: float) -> PushedObject:
         * support.friction_coefficient))
 
 
-def _spread(obj: PushedObject, error: float) -> PushedObject:
+def _scaled(obj: PushedObject, error: float) -> PushedObject:
     return _with_supports(obj, lambda support: dataclasses.replace(
         support, x=(1.0 + error) * support.x, y=(1.0 + error) * support.y))
 
 
-def _ahead(obj: PushedObject, error: float) -> PushedObject:
+def _forward(obj: PushedObject, error: float) -> PushedObject:
     shift = error * max(support.x for support in obj.supports)
     return _with_supports(obj, lambda support: dataclasses.replace(support, x=support.x + shift))
 
 
-def _aside(obj: PushedObject, error: float) -> PushedObject:
+def _sideways(obj: PushedObject, error: float) -> PushedObject:
     shift = error * max(support.y for support in obj.supports)
     return _with_supports(obj, lambda support: dataclasses.replace(support, y=support.y + shift))
 
@@ -71,7 +71,7 @@ def _aside(obj: PushedObject, error: float) -> PushedObject:
 # Kind of the mismatch -> function of (nominal object, relative error).
 KINDS: dict[str, MakeTrue] = {
     'speed': _same, 'friction': _friction, 'mass': _mass, 'load': _load, 'inertia': _inertia,
-    'supports': _spread, 'supports_ahead': _ahead, 'supports_aside': _aside,
+    'supports': _scaled, 'supports_ahead': _forward, 'supports_aside': _sideways,
     'imbalance': _imbalance}
 
 
