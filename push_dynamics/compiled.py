@@ -103,7 +103,7 @@ class CompiledFunction:
 
     @property
     def is_loaded(self) -> bool:
-        """Whether there is machine code in memory."""
+        """Tell whether there is machine code in memory."""
         return bool(self.dispatcher.overloads)
 
     @property

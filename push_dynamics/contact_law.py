@@ -95,7 +95,7 @@ class MiddleOfStep(NamedTuple):
 
 class ContactEquations(NamedTuple):
     """
-    What an impulse l does at a contact, and what is asked of it: ``W l = need`` where it sticks.
+    Equations of an impulse l at a contact: ``W l = need`` where it sticks.
 
     ``W = ((w_nn, w_nt), (w_nt, w_tt))`` is positive definite.
 

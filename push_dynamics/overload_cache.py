@@ -16,7 +16,7 @@ from push_dynamics.private_folder import PrivateFolder
 
 class OverloadCache:
     """
-    What numba asks of the cache of a function: each combination of argument types has a file.
+    Cache of a function for numba: each combination of argument types has a file.
 
     ``cache_path``: of the folder.
     """

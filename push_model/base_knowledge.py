@@ -21,7 +21,7 @@ MAX_VALUES = {'dead_time': 1.0, 'min_speed': 0.5, 'min_yaw_rate': 2.0, 'pulse': 
 
 class BaseKnowledge(NamedTuple):
     """
-    What is known of a base.
+    Knowledge of a base.
 
     :param dead_time: from a command until the base begins to follow it [s].
     :param min_speed: least speed of a wheel (differential) or of the translation (holonomic) that

@@ -18,7 +18,7 @@ VERTEX_TOLERANCE = 1e-3
 
 class RollingConstants(NamedTuple):
     """
-    How normal and contact move as robot and object rotate: numbers, or casadi symbols.
+    Constants of the motion of normal and contact under rotation: numbers, or casadi symbols.
 
     :param normal_ratio: ``lam = R_s / (R_p + R_s)``, fraction of the object's rotation that the
         normal takes part in [-]; it follows the robot's rotation with ``1 - lam``.
@@ -32,7 +32,7 @@ class RollingConstants(NamedTuple):
 
 class NearestContact(NamedTuple):
     """
-    Where a robot touches an object, or would touch it first.
+    Point at which a robot touches an object, or would touch it first.
 
     :param contact: the ``Contact``.
     :param gamma: angle of the normal in the world [rad].

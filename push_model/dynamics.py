@@ -31,7 +31,7 @@ Rolling = tuple[Any, Any]
 
 class ObjectTerms(NamedTuple):
     """
-    What the equations need of an object, as numbers or casadi symbols.
+    Terms of an object in the equations, as numbers or casadi symbols.
 
     :param mass: m [kg].
     :param inertia: I about the mass centre [kg m^2].

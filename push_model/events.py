@@ -115,7 +115,7 @@ class PushEvent(Cause):
 @dataclasses.dataclass(frozen=True)
 class Report(Generic[ReportedCause]):
     """
-    What has happened, and the values that belong to it; ``str`` gives the sentence.
+    Event with the values that belong to it; ``str`` gives the sentence.
 
     :param code: what has happened, a member of a ``Cause``.
     :param values: what its sentence names.

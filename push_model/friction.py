@@ -157,7 +157,7 @@ def with_friction_center(obj: PushedObject, center: Coordinates) -> PushedObject
 
 class SupportTransfer(NamedTuple):
     """
-    What load transfer needs of one support, as numbers or casadi symbols, object frame.
+    Terms of one support in load transfer, as numbers or casadi symbols, object frame.
 
     :param friction_coefficient: mu.
     :param gradient_x: change of its fraction of the weight by the centre of pressure, x [1/m].

@@ -224,7 +224,7 @@ class RoundRobot:
 
 @dataclasses.dataclass(frozen=True)
 class Contact:
-    """Where the robot touches the object's outline."""
+    """Contact of the robot with the object's outline."""
 
     kind: ContactKind = quantity('feature that is touched', choices=CONTACT_KINDS)
     index: int = quantity('vertex number, or face number (face i runs from vertex i to i + 1); '

@@ -16,7 +16,7 @@ POSITION_TOLERANCE, HEADING_TOLERANCE = 0.01, 0.0175
 
 class GoalTolerances(NamedTuple):
     """
-    How near to its goal an object counts as there.
+    Tolerances within which an object counts as at its goal.
 
     :param position: largest distance [m].
     :param heading: largest heading error [rad].
@@ -37,7 +37,7 @@ class GoalTolerances(NamedTuple):
 
 class RequestKind(enum.Enum):
     """
-    What is requested.
+    Kind of plan that is requested.
 
     Messages carry the number in this list, from 0 on: add members at its end.
     """

@@ -137,7 +137,7 @@ def straight_push(obj: PushedObject, contact_point: tuple[float, float], angle: 
 
 class StraightSlide(NamedTuple):
     """
-    What sliding in one direction makes of the supports, wherever the object is pushed.
+    Supports of an object that slides in one direction, wherever it is pushed.
 
     :param center: centre of friction under the transferred loads, object frame (x, y) [m].
     :param c_squared: ``<x_i^2>`` about it [m^2].

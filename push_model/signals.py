@@ -88,7 +88,7 @@ class PoseDeviation(NamedTuple):
 
 class ObjectEstimate(NamedTuple):
     """
-    What is estimated of an object at a time [s].
+    Estimate of an object at a time [s].
 
     :param time: of the estimate [s].
     :param pose: ``Pose`` in the world.

@@ -18,7 +18,7 @@ COLUMNS = ('object_poses', 'object_twists', 'contact_poses', 'contact_twists', '
 
 class PushStyle(enum.Enum):
     """
-    How the contact behaves while a push is driven, and so what the driver may do.
+    Behaviour of the contact in a push, which decides what the driver may do.
 
     A steered push holds the contact where it is on the object: the robot corrects the pushing
     angle and stops where the contact is lost. In a straight push the robot keeps to a straight
@@ -33,7 +33,7 @@ class PushStyle(enum.Enum):
 
     @property
     def is_straight(self) -> bool:
-        """Whether the contact may roll and slide."""
+        """Tell whether the contact may roll and slide."""
         return self is not PushStyle.STEERED
 
 

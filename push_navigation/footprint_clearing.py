@@ -40,7 +40,7 @@ class _Stay(NamedTuple):
 
 class _Clearing(NamedTuple):
     """
-    What became of a map.
+    Map after clearing, with what was cleared.
 
     :param occupancy_map: the ``OccupancyMap`` as it came.
     :param object_cells: its cells that are cleared of the object, shape (rows, columns).
@@ -55,7 +55,7 @@ class _Clearing(NamedTuple):
 
 
 class _Trail:
-    """Where a body has been."""
+    """Poses that a body has had."""
 
     def __init__(self, shape: InflatedObstacle) -> None:
         self.shape = shape
@@ -92,7 +92,7 @@ class FootprintClearing:
 
     @property
     def is_enabled(self) -> bool:
-        """Whether footprints are cleared at all."""
+        """Tell whether footprints are cleared at all."""
         return self._settings.footprint_clearing_enabled
 
     def set_object(self, obj: PushedObject) -> None:

@@ -41,7 +41,7 @@ AXIS_POSITIONS = (-1.0, -0.7, -0.35, 0.0, 0.35, 0.7, 1.0)
 
 class PositionUncertainty(NamedTuple):
     """
-    How uncertain the robot's position is, and how that grows.
+    Uncertainty of the robot's position, and its growth.
 
     :param position: standard deviation of x or y [m].
     :param slope: by which it grows per distance from the start: that of the heading, and of
@@ -70,7 +70,7 @@ CERTAIN = PositionUncertainty()
 
 class MapContext(NamedTuple):
     """
-    What limits the room for a path.
+    Limits of the room for a path.
 
     :param occupancy_map: the ``OccupancyMap``.
     :param uncertainty: ``PositionUncertainty`` of the robot.

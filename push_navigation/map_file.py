@@ -43,7 +43,7 @@ PGM_PIXEL = re.compile(rb'\d{1,9}')
 
 
 class MapMode(enum.Enum):
-    """How the pixels of a map are read."""
+    """Mode in which the pixels of a map are read."""
 
     TRINARY = 'trinary'
     SCALE = 'scale'

@@ -48,7 +48,7 @@ class VisibilityCone(NamedTuple):
 
 class InflatedObstacle(NamedTuple):
     """
-    All points nearer than a radius to a convex core, in the object frame.
+    Set of points nearer than a radius to a convex core, in the object frame.
 
     :param core: vertices, counter-clockwise, (x, y) [m]; a single point for a disc.
     :param radius: of the inflation, that of a disc-shaped object included [m].

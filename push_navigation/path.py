@@ -138,7 +138,7 @@ class PathSegment:
 
 class Path(NamedTuple):
     """
-    From pose to pose along straight lines, arcs and rotations in place.
+    Path from pose to pose along straight lines, arcs and rotations in place.
 
     Between two poses at different places the heading changes evenly; two poses at the same place
     are a rotation in place. A differential drive moves along its heading, or backwards.
@@ -165,7 +165,7 @@ class Path(NamedTuple):
 
 class Waypoint(NamedTuple):
     """
-    Where a segment of a path ends, before its headings are known.
+    End of a segment of a path, before its headings are known.
 
     :param x: [m].
     :param y: [m].

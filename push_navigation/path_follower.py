@@ -332,7 +332,7 @@ class PathFollower:
 
 
 class _SectionProgress:
-    """How far the robot has come on a section, and whether it has settled at its end."""
+    """Progress of the robot on a section, and whether it has settled at its end."""
 
     def __init__(self) -> None:
         self.distance = 0.0

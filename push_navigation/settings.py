@@ -66,7 +66,7 @@ class DriveSettings:
 
 @dataclasses.dataclass(frozen=True)
 class MapSettings:
-    """What counts as an obstacle in a map; names as in Nav2, where it has the same."""
+    """Definition of obstacles in a map; names as in Nav2, where it has the same."""
 
     allow_unknown: bool = quantity('unknown cells are free, else obstacles', default=False)
     lethal_cost_threshold: float = quantity('occupancy or cost from which a cell is an obstacle',

@@ -84,7 +84,7 @@ class PlannerNode(ManagedNode):
 
     @property
     def is_autostarted(self) -> bool:
-        """Whether the node configures and activates itself."""
+        """Tell whether the node configures and activates itself."""
         return self._options.autostart
 
     @property

@@ -98,7 +98,7 @@ class PushProblem:
 
     @property
     def kind(self) -> PushKind:
-        """How the contact moves with the robot."""
+        """Motion of the contact with the robot."""
         if self.robot.drive == 'differential':
             return 'differential'
         # The normal of a point robot is that of the face: it rotates with the object in any case.

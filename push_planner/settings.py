@@ -14,7 +14,7 @@ AngleLimit = Literal['cone', 'angle', 'none']
 
 @dataclasses.dataclass(frozen=True)
 class PlannerSettings:
-    """How pushes are planned."""
+    """Settings of the planner of pushes."""
 
     site: SiteSelection = quantity('contact site of a single push: where the robot stands, or '
                                    'the fastest', choices=get_args(SiteSelection),

@@ -1,4 +1,4 @@
-"""What the expected time of a task depends on, besides the object."""
+"""Settings on which the expected time of a task depends, besides the object."""
 
 import dataclasses
 import math
@@ -13,7 +13,7 @@ CONTACT_PATHS: dict[Drive, float] = {'differential': 0.9, 'holonomic': 0.6}
 
 @dataclasses.dataclass(frozen=True)
 class CostSettings:
-    """What the expected time of a task depends on, besides the object."""
+    """Settings on which the expected time of a task depends, besides the object."""
 
     position_tolerance: float = quantity('largest distance from the goal', 'm', above=0.0,
                                          high=1.0, default=0.01)

@@ -22,7 +22,7 @@ from push_primitives.member_motion import drive_robot, member_world, object_orig
 
 class RolloutOptions(NamedTuple):
     """
-    How arcs are driven.
+    Options of driven arcs.
 
     :param direction: of motion in the robot's axes [rad].
     :param speed: of the simulated robot [m/s].
@@ -38,7 +38,7 @@ class RolloutOptions(NamedTuple):
 
 class RolloutGoal(NamedTuple):
     """
-    What stopping is judged by.
+    Goal by which stopping is evaluated.
 
     :param grid: ``CostGrid``.
     :param pose: of the object, in the world.

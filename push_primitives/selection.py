@@ -59,7 +59,7 @@ TravelTime = Callable[[Pose], float]
 
 class SelectionQuery(NamedTuple):
     """
-    What a push is selected for.
+    Situation for which a push is selected.
 
     :param goal: ``Pose`` of the goal in the object frame.
     :param robot_pose: ``Pose`` of the robot in the object frame.
@@ -77,7 +77,7 @@ class SelectionQuery(NamedTuple):
 
 class _Effects(NamedTuple):
     """
-    What pushes do to the object, as compiled code reads it.
+    Effects of pushes on the object, as compiled code reads them.
 
     :param displacements: shape (n, K, L, 3).
     :param weights: of the samples of friction, shape (K,).

@@ -47,7 +47,7 @@ DIRECTION_STEP = math.radians(2.0)
 
 class SlipperyDisc(NamedTuple):
     """
-    What is known of a slippery disc, rounded.
+    Knowledge of a slippery disc, rounded.
 
     :param obj: ``PushedObject`` with the friction that is known.
     :param ring: the same on a ring of supports, with the centre of friction on the x axis.

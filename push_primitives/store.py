@@ -52,7 +52,7 @@ ARRAYS = ('point_indices', 'faces', 'approach_angles', 'curvatures', 'starts', '
 @dataclasses.dataclass(frozen=True, eq=False)
 class PushPrimitives:
     """
-    What a planner and a controller know of the pushes of an object.
+    Knowledge of a planner and a controller about the pushes of an object.
 
     :param table: ``PrimitiveTable``.
     :param cost_to_go: ``CostToGo``.

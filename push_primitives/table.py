@@ -119,7 +119,7 @@ class PrimitiveTable:
 
     @property
     def is_curved(self) -> BoolArray:
-        """Whether the outline is curved at each point, shape (points,)."""
+        """Tell whether the outline is curved at each point, shape (points,)."""
         normals: dict[int, set[float]] = {}
         for point in self.face_points:
             normals.setdefault(point.face, set()).add(point.normal)

@@ -81,7 +81,7 @@ class Actions(NamedTuple):
 
 class Iteration(NamedTuple):
     """
-    What the sweeps read and write.
+    Arrays that the sweeps read and write.
 
     :param grid: ``CostGrid``, the values of which are written.
     :param actions: ``Actions``.

@@ -20,7 +20,7 @@ MIN_SHARING = 4.0
 
 class FrictionBelief(NamedTuple):
     """
-    What is known of friction.
+    Belief about friction: means and standard deviations.
 
     :param center: centre of friction in the object frame (x, y) [m].
     :param contact_friction: coefficient of contact friction.

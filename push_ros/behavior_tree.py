@@ -46,7 +46,7 @@ class PushObject(Behaviour):
         self.result: PushResult | None = None
 
     def initialise(self) -> None:
-        """Begin anew."""
+        """Start again."""
         self._is_sent = False
         self.result = None
 

@@ -38,7 +38,7 @@ SPIN_TIME = 0.1
 
 
 class PushOutcome(enum.Enum):
-    """How the pursuit of a goal ended."""
+    """Outcome of the pursuit of a goal."""
 
     SUCCEEDED = 'succeeded'
     CANCELLED = 'cancelled'
@@ -52,7 +52,7 @@ class PushOutcome(enum.Enum):
 
 class PushFeedback(NamedTuple):
     """
-    How far the pursuit of a goal has come.
+    Progress of the pursuit of a goal.
 
     :param state: one of the constants of ``PushStatus``.
     :param text: state and reason, for people.
@@ -83,7 +83,7 @@ class PushFeedback(NamedTuple):
 
 class PushResult(NamedTuple):
     """
-    How the pursuit of a goal ended.
+    Result of the pursuit of a goal.
 
     :param outcome: ``PushOutcome``.
     :param error_code: one of the constants of ``PushObject.Result``; 0 where all went well.
@@ -245,7 +245,7 @@ class PushCommander:
 
     @property
     def _is_server_lost(self) -> bool:
-        """Whether the controller is gone that has the goal, maybe with another in its place."""
+        """Tell whether the controller that has the goal is gone, maybe replaced by another."""
         is_replaced = bool(self._servers) and self._servers.isdisjoint(self._present_servers())
         return is_replaced or not self._client.server_is_ready()
 

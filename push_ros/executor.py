@@ -73,7 +73,7 @@ class StartRefused(ValueError):
 
 class _Interrupt(KeyboardInterrupt):
     """
-    What ends a callback after a signal.
+    Exception that ends a callback after a signal.
 
     A plain ``KeyboardInterrupt`` that passes through ``exec``, as libraries use it, is remembered
     by Python although it is caught: a module that was started with -m would end by SIGINT. Python
@@ -128,7 +128,7 @@ class PolledNode(Node, abc.ABC):
 
     @abc.abstractmethod
     def start(self) -> None:
-        """Begin: called once, before the first callback."""
+        """Start: called once, before the first callback."""
 
     @abc.abstractmethod
     def poll(self) -> bool:

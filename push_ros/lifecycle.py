@@ -47,7 +47,7 @@ class ManagedNode(LifecycleNodeMixin, PushNode):
     @property
     @abc.abstractmethod
     def is_autostarted(self) -> bool:
-        """Whether the node configures and activates itself."""
+        """Tell whether the node configures and activates itself."""
 
     @abc.abstractmethod
     def configure(self) -> None:

@@ -24,7 +24,7 @@ MIN_TURN = 2e-3
 
 
 class MapChange(enum.Enum):
-    """What became of a map with a message."""
+    """Change of a map by a message."""
 
     NONE = 'unchanged'
     MOVED = 'moved'
@@ -76,7 +76,7 @@ class MapReader:
 
     def start(self, message: Any) -> None:
         """
-        Begin to read a map, in place of another one that is being read.
+        Start to read a map, in place of another one that is being read.
 
         :param message: ``nav_msgs/OccupancyGrid``.
         """

@@ -394,7 +394,7 @@ class PushNode(PolledNode):
         self.destroy_timer(timer)
 
     def start(self) -> None:
-        """Begin: called once, before the first callback."""
+        """Start: called once, before the first callback."""
 
     def close(self) -> None:
         """Shut down: called once, while publishers are still valid."""

@@ -24,7 +24,7 @@ class Frames:
 
 @dataclasses.dataclass(frozen=True)
 class PlannerOptions:
-    """How the planner's node behaves."""
+    """Options of the planner's node."""
 
     autostart: bool = quantity('configure and activate at the start', default=True)
     object_pose_with_covariance: bool = quantity(
@@ -39,7 +39,7 @@ class PlannerOptions:
 
 @dataclasses.dataclass(frozen=True)
 class ControllerOptions:
-    """How the controller's node behaves."""
+    """Options of the controller's node."""
 
     autostart: bool = quantity('configure and activate at the start', default=True)
     wait_for_start: bool = quantity('stand until controller/start is called; else go on as soon '
@@ -99,7 +99,7 @@ class BaseParameter:
 
 @dataclasses.dataclass(frozen=True)
 class BaseSettings:
-    """What is checked of the base before each goal; see docs/robots."""
+    """Checks of the base before each goal; see docs/robots."""
 
     node: str = quantity('node whose parameters are checked; empty: none', default='')
     parameters: tuple[BaseParameter, ...] = quantity('the parameters that are checked', default=())
@@ -129,7 +129,7 @@ class MonitorSource:
 
 @dataclasses.dataclass(frozen=True)
 class CollisionMonitorSettings:
-    """Where Nav2's collision monitor ignores the object while it is pushed."""
+    """Zone in which Nav2's collision monitor ignores the object while it is pushed."""
 
     node: str = quantity('collision monitor that is to ignore the object while a goal is pursued; '
                          'empty: none', default='')
@@ -147,7 +147,7 @@ class CollisionMonitorSettings:
 
 @dataclasses.dataclass(frozen=True)
 class TrackerOptions:
-    """How the tracker's node behaves."""
+    """Options of the tracker's node."""
 
     world_frame: str = quantity('frame of the published object poses', default='odom')
     object_pose_with_covariance: bool = quantity(
@@ -184,7 +184,7 @@ class MocapOptions:
 
 @dataclasses.dataclass(frozen=True)
 class SimOptions:
-    """How the simulator's node behaves."""
+    """Options of the simulator's node."""
 
     lockstep: bool = quantity('continue when the last measurement is answered; else wall clock',
                               default=False)
@@ -224,5 +224,5 @@ class SimOptions:
 
     @property
     def owns_time(self):
-        """Whether stamps are simulated time, and ``clock`` is published."""
+        """Tell whether stamps are simulated time, and ``clock`` is published."""
         return self.lockstep or self.publish_clock

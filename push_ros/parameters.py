@@ -32,7 +32,7 @@ ARRAYS = {int: Parameter.Type.INTEGER_ARRAY, float: Parameter.Type.DOUBLE_ARRAY,
 
 class ParameterHooks(NamedTuple):
     """
-    What a node has to do with parameters that are being set.
+    Hooks of a node for parameters that are being set.
 
     :param complete: takes the values by name, and returns further ones that go with them.
     :param refusal: takes all values by name; returns why they cannot be set now, or nothing.

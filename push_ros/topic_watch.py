@@ -68,7 +68,7 @@ class TopicWatch:
 
     def __init__(self, node: PushNode, awaited: Callable[[], Collection[str]]) -> None:
         """
-        Begin to wait.
+        Start to wait.
 
         :param awaited: names the topics on which something has to come, and has not.
         """

@@ -101,12 +101,12 @@ class DelaySearch:
 
     @property
     def is_empty(self) -> bool:
-        """Whether there is no history."""
+        """Tell whether there is no history."""
         return not self._samples
 
     @property
     def is_at_rest(self) -> bool:
-        """Whether the newest velocities, measured and expected, are those of a base at rest."""
+        """Tell whether the newest velocities, measured and expected, are zero."""
         return not self._samples or _are_zero(self._samples[-1][MEASURED:])
 
     def add(self, time: float, measured: Twist, expected: Twist) -> None:

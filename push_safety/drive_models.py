@@ -105,7 +105,7 @@ class _CommandHistory:
 
     @property
     def times(self) -> FloatArray:
-        """When they were sent, shape (k,) [s]."""
+        """Times at which they were sent, shape (k,) [s]."""
         return self._times[:self._count]
 
     @property
@@ -168,7 +168,7 @@ class DriveModels:
 
     @property
     def is_commanded(self) -> bool:
-        """Whether there is any command to follow since the last reset."""
+        """Tell whether there is any command to follow since the last reset."""
         return len(self._sent) > 1
 
     @property
@@ -178,7 +178,7 @@ class DriveModels:
 
     @property
     def nominal_error(self) -> list[float]:
-        """What the velocity of that drive differs by from its command [m/s, m/s, rad/s]."""
+        """Difference of the velocity of that drive from its command [m/s, m/s, rad/s]."""
         commands, velocities = self.commands[self._nominal], self.velocities[self._nominal]
         return [a - b for a, b in zip(commands.tolist(), velocities.tolist())]
 

@@ -35,11 +35,11 @@ ROUNDING = 1.0 + 1e-9
 
 
 class GuardedController(Protocol):
-    """What commands the robot, and is told why it is stopped."""
+    """Controller that commands the robot, and is told why it is stopped."""
 
     @property
     def awaits_resume(self) -> bool:
-        """Whether the robot stays stopped until somebody lets it go on."""
+        """Tell whether the robot stays stopped until somebody lets it go on."""
         ...
 
     def on_safety_report(self, fault: SafetyReport | None, stop: SafetyReport | None) -> None:
@@ -132,7 +132,7 @@ class SafetyLayer:
 
     @property
     def base_knowledge(self) -> BaseKnowledge:
-        """What is known of the base, as stated and as learned from its motion."""
+        """Knowledge of the base, as stated and as learned from its motion."""
         return self._identifier.knowledge
 
     def start_from(self, knowledge: BaseKnowledge) -> None:
@@ -146,7 +146,7 @@ class SafetyLayer:
 
     @property
     def awaits_resume(self) -> bool:
-        """Whether the robot stays stopped until ``resume``."""
+        """Tell whether the robot stays stopped until ``resume``."""
         return self._stop.awaits_resume
 
     @property

@@ -208,7 +208,7 @@ class CloseFollowing:
 
     @property
     def is_disabled(self) -> bool:
-        """Whether only the stated tolerance counts."""
+        """Tell whether only the stated tolerance counts."""
         return math.isinf(self._learning_time)
 
     def is_known(self, velocity: Twist) -> bool:

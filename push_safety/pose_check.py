@@ -141,7 +141,7 @@ class PoseCheck:
 
 
 class _NoiseTest:
-    """Whether poses differ from each other as by noise, and not as by motion."""
+    """Tell whether poses differ from each other as by noise, and not as by motion."""
 
     def __init__(self) -> None:
         self._steps: deque[tuple[float, float, float]] = deque(maxlen=NOISE_STEPS)

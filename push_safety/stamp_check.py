@@ -22,7 +22,7 @@ COMPUTER_TIME = 1e8
 
 
 class StampVerdict(enum.Enum):
-    """What is to be done with a message."""
+    """Verdict on the stamp of a message."""
 
     ACCEPTED = 'accepted'
     REFUSED = 'refused'

@@ -6,7 +6,7 @@ from push_model.events import Cause, Report
 
 
 class SafetyState(enum.Enum):
-    """Whether commands reach the robot; the values are those of diagnostics and files."""
+    """State whether commands reach the robot; the values are those of diagnostics and files."""
 
     CLEAR = 'clear'
     # The robot gets zeros, until it is at rest and nothing is wrong any more.
@@ -52,19 +52,19 @@ class SafetyReason(Cause):
 
     @property
     def is_of_odometry(self) -> bool:
-        """Whether the place of the robot is no longer certain."""
+        """Tell whether the place of the robot is no longer certain."""
         return self in (SafetyReason.ODOMETRY_JUMPED, SafetyReason.ODOMETRY_FROZEN,
                         SafetyReason.ODOMETRY_CONTRADICTORY, SafetyReason.ODOMETRY_DIRECTION,
                         SafetyReason.ODOMETRY_SCALE)
 
     @property
     def is_of_motion(self) -> bool:
-        """Whether the robot moves otherwise than its commands mean, for no other known reason."""
+        """Tell whether the robot moves otherwise than commanded, for no other known reason."""
         return self in (SafetyReason.NOT_MOVING, SafetyReason.MOVES_OTHERWISE)
 
     @property
     def awaits_resume(self) -> bool:
-        """Whether the robot stays stopped until somebody lets it go on."""
+        """Tell whether the robot stays stopped until somebody lets it go on."""
         return self in (SafetyReason.BASE_STOOD, SafetyReason.ODOMETRY_WAS_MISSING)
 
 

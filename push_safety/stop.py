@@ -55,7 +55,7 @@ class SafetyStop:
 
     @property
     def awaits_resume(self) -> bool:
-        """Whether the robot stays stopped until ``resume``."""
+        """Tell whether the robot stays stopped until ``resume``."""
         return self.report is not None and self.report.code.awaits_resume
 
     def resume(self) -> None:

@@ -21,12 +21,12 @@ class TerminalLine:
 
     @property
     def is_overwritten(self) -> bool:
-        """Whether the stream is a terminal."""
+        """Tell whether the stream is a terminal."""
         return self._stream.isatty()
 
     @property
     def columns(self) -> int:
-        """How many characters fit into a line of the window as it is now."""
+        """Number of characters that fit into a line of the window as it is now."""
         try:
             columns = os.get_terminal_size(self._stream.fileno()).columns
         except OSError:

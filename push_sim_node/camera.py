@@ -22,7 +22,7 @@ CONTACT_GAP = 1e-3
 @dataclasses.dataclass(frozen=True)
 class CameraSettings:
     """
-    Where the camera is, and what it sees; without one the object is always seen.
+    Pose and range of the camera; without one the object is always seen.
 
     Distances are from the lens, in the plane: the nearest to the outline of the object, the
     farthest and that of noise to its origin. Angles are between the optical axis, which is the x
@@ -66,13 +66,13 @@ class CameraSettings:
 
     @property
     def is_relative(self) -> bool:
-        """Whether poses are relative to the robot."""
+        """Tell whether poses are relative to the robot."""
         return self.reference == 'robot'
 
 
 class Camera:
     """
-    What a camera sees of one object; a camera in the room sees no object behind the robot.
+    Camera that sees one object; one in the room sees no object behind the robot.
 
     Everything is in the plane: a camera in the room looks past the robot, never over it.
 

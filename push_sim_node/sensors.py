@@ -99,7 +99,7 @@ class SensorSettings:
 
 class Sighting(NamedTuple):
     """
-    From where an object is seen.
+    Position from which an object is seen.
 
     :param bearing: direction from the object to who sees it, in the object frame [rad].
     :param distance: from the lens to the origin, with which noise grows [m].

@@ -10,7 +10,7 @@ from push_sim_node.drive_imperfections import DriveImperfections
 
 @dataclasses.dataclass(frozen=True)
 class SimulationSettings:
-    """How the plant is simulated, and what disturbs it."""
+    """Settings of the simulated plant, and its disturbances."""
 
     step: float = quantity('longest step of the plant', 's', 1e-5, 0.05, default=2e-3)
     friction_smoothing: float = quantity('speed below which support friction turns viscous',

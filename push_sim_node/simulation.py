@@ -25,7 +25,7 @@ NANOSECONDS = 1_000_000_000
 
 
 class _EventKind(enum.IntEnum):
-    """What happens at an event; of events that are due together the lower kind comes first."""
+    """Kind of an event; of events that are due together the lower kind comes first."""
 
     MEASURE_POSE = 0
     DELIVER_POSE = 1
@@ -203,7 +203,7 @@ class Simulation:
 
     @property
     def is_object_seen(self) -> bool:
-        """Whether the camera sees the object now; without a camera it is always seen."""
+        """Tell whether the camera sees the object now; without a camera it is always seen."""
         return self._camera.sees(self.plant.object_pose, self.plant.robot_pose)
 
     def set_sensors(self, sensors: SensorSettings) -> None:

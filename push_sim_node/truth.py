@@ -10,7 +10,7 @@ from push_model.signals import Twist
 
 class ContactMode(enum.Enum):
     """
-    What the contact between robot and object does.
+    Mode of the contact between robot and object.
 
     '+': the robot's surface slides towards t, the normal rotated by +90 degrees, and drags the
     object that way; '-': towards -t.

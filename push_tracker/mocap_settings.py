@@ -8,7 +8,7 @@ from push_model.quantity import check, MIN_NOISE, quantity
 
 @dataclasses.dataclass(frozen=True)
 class MocapSettings:
-    """How the rigid body is mounted on the robot, its errors, and how long it is averaged."""
+    """Mount of the rigid body on the robot, its errors, and how long it is averaged."""
 
     x: float = quantity('origin of the rigid body in the frame of the robot, x', 'm', -2.0, 2.0,
                         default=0.0)

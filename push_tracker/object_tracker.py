@@ -39,7 +39,7 @@ class TagSighting(NamedTuple):
 
 class TrackerUpdate(NamedTuple):
     """
-    What became of the sightings of one time.
+    Update from the sightings of one time.
 
     :param object_pose: ``ObjectPose`` with its covariance, or None where all are outliers.
     :param outliers: frames of the tags that were not used.
@@ -109,7 +109,7 @@ class ObjectTracker:
                                                             settings.heading_noise))
 
     def _follows(self, before: ObjectPose | None, candidate: _Candidate, time: float) -> bool:
-        """Whether an object can have come from one pose to another."""
+        """Tell whether an object can have come from one pose to another."""
         if before is None:
             return False
         settings, pose, duration = self._settings, candidate.pose, time - before.time
@@ -148,7 +148,7 @@ class ObjectTracker:
 
     def _confirmed(self, pose: ObjectPose | None, used: Sequence[_Candidate],
                    time: float) -> ObjectPose | None:
-        """Believe a pose that the object cannot have reached, once enough of them agree."""
+        """Accept a pose that the object cannot have reached, once enough of them agree."""
         if pose is None:
             return None
         is_confirmed = any(self._follows(self._suspected, candidate, time) for candidate in used)

@@ -38,7 +38,7 @@ class MountedTag:
 
 @dataclasses.dataclass(frozen=True)
 class TrackerSettings:
-    """What the tracker reckons with; the defaults suit tags of 0.1 m before a good camera."""
+    """Errors that the tracker expects; the defaults suit tags of 0.1 m before a good camera."""
 
     tags: tuple[MountedTag, ...] = quantity('the tags of the object')
     position_noise: float = quantity('position std of one tag', 'm', MIN_NOISE, 0.5, default=0.002)

@@ -38,7 +38,7 @@ class ParameterSpec:
 
     @property
     def expectation(self) -> str:
-        """What the parameter accepts, in words."""
+        """Description of the values that the parameter accepts."""
         return expectation(self.kind, self.metadata)
 
 

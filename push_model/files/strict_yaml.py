@@ -15,7 +15,7 @@ MAX_DEPTH = 50
 
 
 class ParameterFileError(ValueError):
-    """What is wrong with a file: names the file, the key, what came and what was expected."""
+    """Fault of a file: names the file, the key, what came and what was expected."""
 
 
 def load_yaml(path: Path) -> dict[str, Any]:
@@ -92,7 +92,7 @@ class _Loader(yaml.SafeLoader):
 
     def __init__(self, stream: str) -> None:
         """
-        Begin at the top level.
+        Start at the top level.
 
         :param stream: the text.
         """

@@ -64,7 +64,7 @@ HOLONOMIC_DIRECTIONS = (0.0, 0.6, -0.6, 1.2, -1.2)
 
 class Approach(NamedTuple):
     """
-    What an approach is planned for, but for the map.
+    Situation for which an approach is planned, without the map.
 
     :param robot: the ``RoundRobot``, neither a point nor a flat pusher.
     :param obj: the ``PushedObject``.

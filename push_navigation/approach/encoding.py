@@ -47,7 +47,7 @@ NO_LENGTH = 1e-7
 
 class ApproachProblem(NamedTuple):
     """
-    What candidates are laid out for.
+    Situation for which candidates are laid out.
 
     :param corners: of the object, counter-clockwise, shape (n, 2); one for a disc [m].
     :param contact_radius: distance of the robot's centre from the corners at contact [m].

@@ -47,7 +47,7 @@ class PrimitiveLoader:
 
     def loads(self, request: PlanRequest, robot: RoundRobot, drive: DriveSettings) -> bool:
         """
-        Begin to load, unless that was done, and tell whether it goes on; one after the other.
+        Start to load, unless that was done, and tell whether it goes on; one after the other.
 
         :param request: ``PlanRequest``, the same one each time.
         """

@@ -20,7 +20,7 @@ from push_ros.map_reader import MapChange, MapReader, ReadMap
 
 
 class Description(NamedTuple):
-    """What diagnostics say of a plan: a sentence, and values by name."""
+    """Description of a plan in diagnostics: a sentence, and values by name."""
 
     text: str
     values: Mapping[str, Any]
@@ -68,7 +68,7 @@ class TaskRequestHandler:
 
     def on_map(self, message: Any) -> None:
         """
-        Begin to read the map; ``take_map`` returns it.
+        Start to read the map; ``take_map`` returns it.
 
         :param message: ``nav_msgs/OccupancyGrid``.
         """
@@ -76,7 +76,7 @@ class TaskRequestHandler:
 
     @property
     def reads_map(self) -> bool:
-        """Whether there is a map to be taken, now or later."""
+        """Tell whether there is a map to be taken, now or later."""
         return self._map_reader.is_busy
 
     def refuse_map(self, reason: str) -> None:

@@ -52,7 +52,7 @@ class SolvedPush:
 
     @property
     def end_error(self) -> EndError:
-        """How far the end is off the goal."""
+        """Deviation of the end from the goal."""
         return self.refined.end_error
 
     @property

@@ -100,7 +100,7 @@ def plan_on(problem: PushProblem, previous: Plan) -> Optional[Plan]:
 
 
 def _is_alike(one: PushProblem, other: PushProblem) -> bool:
-    """Whether two programs have the same rows."""
+    """Tell whether two programs have the same rows."""
     return (one.kind == other.kind and one.contact.kind == other.contact.kind
             and one.contact.index == other.contact.index and one.settings == other.settings
             and len(one.obj.supports) == len(other.obj.supports)
@@ -108,7 +108,7 @@ def _is_alike(one: PushProblem, other: PushProblem) -> bool:
 
 
 def _starts_alike(one: PushProblem, other: PushProblem) -> bool:
-    """Whether two problems that are alike differ in the goal alone."""
+    """Tell whether two problems that are alike differ in the goal alone."""
     return (one.obj == other.obj and one.robot == other.robot and one.contact == other.contact
             and one.start == other.start and one.normal == other.normal
             and one.heading == other.heading and one.motion == other.motion)
@@ -116,7 +116,7 @@ def _starts_alike(one: PushProblem, other: PushProblem) -> bool:
 
 def _is_nearly_shortest(problem: PushProblem, path_length: float, turns: TurnPair,
                         final_straight: float) -> bool:
-    """Whether no route is much shorter, which mostly takes no route to tell."""
+    """Tell whether no route is much shorter, which mostly takes no route to tell."""
     return (path_length <= NEARLY_SHORTEST * straight_length(problem)
             or path_length <= NEARLY_SHORTEST * shortest_length(problem, turns, final_straight))
 

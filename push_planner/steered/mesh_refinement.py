@@ -67,7 +67,7 @@ def refine_mesh(problem: PushProblem, solved: MeshSolution) -> MeshSolution:
 
 
 def _is_coarse(problem: PushProblem, formulation: Formulation, solution: Solution) -> bool:
-    """Whether finer segments may shorten a push noticeably."""
+    """Tell whether finer segments may shorten a push noticeably."""
     if formulation.dimensions.jumps:
         return False
     lengths = formulation.mesh.step_lengths(solution.free_length)

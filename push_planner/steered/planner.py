@@ -74,7 +74,7 @@ class Attempt(NamedTuple):
 
     @property
     def explains(self) -> bool:
-        """Whether it tells why there is no plan; a relaxed program without a result does not."""
+        """Tell whether it explains why there is no plan; a relaxed program does not."""
         return not (self.relaxed and self.failure is PlanFailure.NOT_CONVERGED)
 
 
@@ -94,7 +94,7 @@ class AttemptLog:
 
     @property
     def is_spent(self) -> bool:
-        """Whether the budget is used up."""
+        """Tell whether the budget is used up."""
         return self.solves >= self.max_solves
 
     def lines(self) -> list[str]:
@@ -264,7 +264,7 @@ class RouteSearch:
         return solved, remaining
 
     def _may_be_faster(self, route: Route, solved: Sequence[_Solved]) -> bool:
-        """Whether a route may lead to a shorter push, and to another optimum."""
+        """Tell whether a route may lead to a shorter push, and to another optimum."""
         shortest = min(candidate.path_length for candidate in solved)
         fast = is_fast(self._problem)
         slack = FAST_ROUTE_SLACK if fast else ROUTE_SLACK

@@ -35,7 +35,7 @@ PARAMETER_COUNT = 13
 
 class SupportLayout(NamedTuple):
     """
-    What decides on the number of parameters.
+    Layout on which the number of parameters depends.
 
     :param support_count: k, number of supports.
     :param transfers_loads: whether a push shifts loads, which takes two heights and three more

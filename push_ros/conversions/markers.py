@@ -59,7 +59,7 @@ CIRCLE_VERTICES = 20
 
 class MarkerHeader(NamedTuple):
     """
-    What all markers of one drawing have in common.
+    Values that all markers of one drawing share.
 
     :param stamp: ``builtin_interfaces/Time``.
     :param frame: id of the world frame.

@@ -41,7 +41,7 @@ class TransformUnavailable(LookupError):
 
     @property
     def is_final(self) -> bool:
-        """Whether no transform that comes later can help."""
+        """Tell whether no transform that comes later can help."""
         return self.lack is Lack.TOO_EARLY
 
 
@@ -205,7 +205,7 @@ class TransformBuffer:
 
     @property
     def description(self) -> str:
-        """What is known, as "parent -> child" of every frame."""
+        """Description of the tree, as "parent -> child" of every frame."""
         links = sorted((link.parent, child) for child, link in self._links.items())
         return ', '.join(f'{parent} -> {child}' for parent, child in links) or 'nothing'
 

@@ -45,7 +45,7 @@ MAX_WAITING = 50
 
 class Handlers(NamedTuple):
     """
-    What a node does with messages of a topic.
+    Handlers of a node for messages of a topic.
 
     :param accept: takes the message, in the world frame.
     :param refuse: takes the ``MessageRefused`` and the message as it came.
@@ -81,7 +81,7 @@ class _Waiting(NamedTuple):
 
 
 class _Anchor(NamedTuple):
-    """What holds in a frame that drifts, and where that frame was when it was last moved."""
+    """State in a frame that drifts, and the pose of that frame when it was last moved."""
 
     frame: str
     pose: Pose

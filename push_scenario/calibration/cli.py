@@ -186,7 +186,7 @@ def _evaluate(recording: Recording, folder: Path, written: list[Path]) -> int:
 
 
 class _Products:
-    """What is written of a recording: where one product fails, the others are made."""
+    """Products of a recording: where one fails, the others are made."""
 
     def __init__(self, folder: Path, written: list[Path]) -> None:
         """

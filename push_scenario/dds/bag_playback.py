@@ -67,7 +67,7 @@ class Playback(NamedTuple):
 
 class _Arrival(NamedTuple):
     """
-    When a measurement came [ns], its order among those that came together, its stamp [ns], itself.
+    Arrival of a measurement [ns], its order in those that came together, its stamp [ns], itself.
 
     Poses in the world come before odometry, those relative to the robot after it.
     """

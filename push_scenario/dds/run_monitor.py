@@ -32,7 +32,7 @@ PROGRESS_TOPIC = 'object_pose'
 
 class RunEnd(NamedTuple):
     """
-    How and when the controller's node ended a run.
+    End of a run by the controller's node, and its time.
 
     :param reason: one sentence.
     :param time: simulated time [s].
@@ -48,7 +48,7 @@ class RunEnd(NamedTuple):
 @dataclasses.dataclass
 class NodeReport:
     """
-    What a node has reported so far.
+    Reports of a node so far.
 
     :param error: text of its last error, empty without any.
     :param codes: of that error, where it is one of planning.
@@ -62,7 +62,7 @@ class NodeReport:
 
 class TaskMonitor:
     """
-    What the supervisor reports.
+    Monitor of the supervisor's reports.
 
     ``history``: ``StateHistory``. ``status``: the last ``SupervisorStatus``.
     """

@@ -23,7 +23,7 @@ NORMAL_TOLERANCE = 1e-9
 @dataclasses.dataclass(frozen=True)
 class Start:
     """
-    Where object and robot stand at first, in the world frame.
+    Start of object and robot, in the world frame.
 
     The pose of the robot is either ``robot``, or follows from ``contact``, ``gap``, ``normal`` and
     ``heading``; with neither, it is that of the quickest contact site, which
@@ -50,7 +50,7 @@ class Start:
 
     @property
     def is_robot_specified(self) -> bool:
-        """Whether the pose of the robot follows from the fields."""
+        """Tell whether the pose of the robot follows from the fields."""
         return self.robot is not None or self.contact is not None
 
     def robot_pose(self, obj: PushedObject, radius: float) -> Pose:
@@ -81,7 +81,7 @@ class Start:
 
 @dataclasses.dataclass(frozen=True)
 class GoalBounds:
-    """How close to the goal the object must come to rest."""
+    """Bounds of the distance from the goal at which the object must come to rest."""
 
     position_error: float = quantity('distance from the goal', 'm', above=0.0, high=10.0,
                                      default=0.02)

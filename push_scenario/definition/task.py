@@ -25,7 +25,7 @@ class LaterGoal:
 
 @dataclasses.dataclass(frozen=True)
 class Task:
-    """What a task needs in addition to a single push."""
+    """Settings of a task in addition to those of a single push."""
 
     drive: DriveSettings = DriveSettings()
     supervision: SupervisionSettings = SupervisionSettings()

@@ -39,7 +39,7 @@ PLANNING_TIME = 0.1
 
 class Progress(NamedTuple):
     """
-    How far a run has come.
+    Progress of a run.
 
     :param stage: ``planning``, ``pushing`` or ``settling``; in a task, the supervisor's state in
         place of ``pushing``.

@@ -16,7 +16,7 @@ from push_sim_node.tape import Tape
 
 
 class Outcome(enum.Enum):
-    """How a run ended."""
+    """Outcome of a run."""
 
     DONE = 'done'  # the controller or the supervisor reports success
     FAILED = 'failed'  # it gave up
@@ -27,7 +27,7 @@ class Outcome(enum.Enum):
 @dataclasses.dataclass(frozen=True)
 class WallClockTiming:
     """
-    How fast a run over DDS went.
+    Speed of a run over DDS.
 
     :param latency_median: time from publishing an object pose to receiving the command that
         answers it, in the simulator's process [s]; nan without any.

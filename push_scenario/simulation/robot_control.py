@@ -39,7 +39,7 @@ ENDINGS = {TaskState.DONE: Outcome.DONE, TaskState.FAILED: Outcome.FAILED}
 
 class Ending(NamedTuple):
     """
-    How the robot ended a run by itself.
+    End of a run by the robot itself.
 
     :param reason: one sentence.
     :param codes: of the reason, as of ``Report``.
@@ -51,7 +51,7 @@ class Ending(NamedTuple):
 
 
 class RobotRecord(NamedTuple):
-    """What the robot did in a run; the fields are those of ``RunResult``."""
+    """Record of the robot in a run; the fields are those of ``RunResult``."""
 
     history: tuple[StateChange, ...]
     recoveries: int = 0
@@ -75,12 +75,12 @@ class RobotControl(abc.ABC):
 
     @property
     def stage(self) -> str:
-        """What the robot is doing, one word."""
+        """Stage of the robot, one word."""
         return self.supervisor.state.value
 
     @property
     def awaits_resume(self) -> bool:
-        """Whether the robot stands until somebody lets it go on."""
+        """Tell whether the robot stands until somebody lets it go on."""
         return self.supervisor.awaits_resume
 
     def on_safety_report(self, fault: SafetyReport | None, stop: SafetyReport | None) -> None:
@@ -163,7 +163,7 @@ class SinglePushControl(RobotControl):
 
     @property
     def stage(self) -> str:
-        """What the robot is doing."""
+        """Stage of the robot."""
         return 'pushing'
 
     def update_plan(self, observation: Observation) -> Ending | None:

@@ -19,7 +19,7 @@ MAX_START = 2.0
 
 
 class RunState(enum.Enum):
-    """What the simulator does."""
+    """State of the simulator."""
 
     HOLDING = 'holding'
     STARTING = 'starting'
@@ -28,7 +28,7 @@ class RunState(enum.Enum):
 
 
 class RunAction(enum.Enum):
-    """What is to be done at a tick of the wall clock."""
+    """Action at a tick of the wall clock."""
 
     WAIT = enum.auto()
     OFFER_FIRST_MEASUREMENTS = enum.auto()

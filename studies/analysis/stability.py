@@ -50,13 +50,13 @@ class Equilibrium(NamedTuple):
 
     @property
     def is_stable(self) -> bool:
-        """Whether a small disturbance dies out."""
+        """Tell whether a small disturbance dies out."""
         return self.margin > 0.0
 
 
 class Tolerance(NamedTuple):
     """
-    How far an object may be rotated one way from its equilibrium and still return.
+    Greatest rotation one way from an equilibrium from which an object still returns.
 
     :param rotation: of the object from equilibrium, with its sign [rad].
     :param rho: change of the pushing angle that goes with it [rad].

@@ -58,7 +58,7 @@ class SteadyPush(NamedTuple):
 
 class _PushGeometry(NamedTuple):
     """
-    Where and how an object is pushed, in the object frame.
+    Geometry of a push, in the object frame.
 
     :param contact_point: C (x, y) [m].
     :param normal: angle of n [rad].

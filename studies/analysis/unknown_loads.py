@@ -25,7 +25,7 @@ class Interval(NamedTuple):
 
 class UnknownLoads(NamedTuple):
     """
-    How far the vehicle of a push depends on the loads.
+    Ranges of the vehicle of a push over unknown loads.
 
     :param wheelbase: L [m].
     :param c_squared: c^2 [m^2].

@@ -122,7 +122,7 @@ def push(values: Values, goal: Sequence[float], law: Law,
 @dataclasses.dataclass(frozen=True)
 class PushSetup:
     """
-    What is pushed, by which robot, and how it is measured.
+    Object, robot and measurements of a push.
 
     :param object: the object.
     :param robot: the robot.

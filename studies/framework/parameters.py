@@ -30,7 +30,7 @@ class Parameter(NamedTuple):
 
 
 class Source(enum.Enum):
-    """Where the value of a parameter comes from."""
+    """Source of the value of a parameter."""
 
     CAPTION = 'caption'
     CHOSEN = 'chosen'

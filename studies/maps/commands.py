@@ -18,7 +18,7 @@ Subparsers = Any
 
 class Subject(NamedTuple):
     """
-    What a map is about.
+    Subject of a map.
 
     :param object_name: name of the object's file.
     :param obj: the object.

@@ -30,7 +30,7 @@ class PerimeterLocation(NamedTuple):
 
 class Borders(NamedTuple):
     """
-    Where the stable part of a perimeter begins and ends.
+    Ends of the stable part of a perimeter.
 
     :param stable_fraction: of the perimeter.
     :param points: (x, y) on the outline, object frame [m].

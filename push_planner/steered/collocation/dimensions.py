@@ -23,7 +23,7 @@ class Constraint(enum.Enum):
 
 class Dimensions(NamedTuple):
     """
-    All that decides on the expressions of a program; two programs of equal dimensions are one.
+    Key of the expressions of a program: programs of equal dimensions share them.
 
     :param kind: how the contact moves with the robot.
     :param support_count: number of supports.
@@ -109,7 +109,7 @@ class Limits(NamedTuple):
 
 class BoundaryValues(NamedTuple):
     """
-    Begin and end of a push, in the object's start frame.
+    Start and end of a push, in the object's start frame.
 
     :param q_x: followed point at the start, x [m].
     :param q_y: the same, y [m].

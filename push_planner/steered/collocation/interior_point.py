@@ -77,7 +77,7 @@ ATTEMPTS = (_Beginning(FIRST_BARRIER, FIRST_SLACK), _Beginning(SECOND_BARRIER, F
 
 class Iterate(NamedTuple):
     """
-    All that the method changes, as flat arrays; ``iterate_shapes`` tells their parts.
+    Arrays that the method changes, flat; ``iterate_shapes`` tells their parts.
 
     :param primal: variables of the program, and slacks.
     :param dual: multipliers of the equalities, and of the inequalities.
@@ -135,7 +135,7 @@ class _Evaluation(NamedTuple):
 
     @property
     def is_finite(self) -> bool:
-        """Whether all steps have numbers; the largest of some is one where only some have."""
+        """Tell whether all steps have numbers; the largest of some is one where only some have."""
         return math.isfinite(self.violation + self.merit + self.error)
 
     def is_solution(self, barrier: float) -> bool:
@@ -232,7 +232,7 @@ def _iterate(memory: '_Memory') -> tuple[bool, int]:
 
 
 def _is_stagnant(violations: collections.deque[float]) -> bool:
-    """Whether constraints stay violated by the same amount: the program has no solution nearby."""
+    """Tell whether constraints stay violated by the same amount: no solution is near."""
     least = min(violations)
     return (len(violations) == STAGNANT_ITERATES and least > TOLERANCE
             and max(violations) < STAGNANT_RATIO * least)
@@ -269,7 +269,7 @@ class _Views(NamedTuple):
 
 class _Recursion(NamedTuple):
     """
-    What the evaluation of the steps leaves, and the recursion of Riccati over them; n steps.
+    Results of the evaluation of n steps, and of the recursion of Riccati over them.
 
     :param record: of each step for the recursion, shape (n, r).
     :param expansion: of each step for what was eliminated, shape (n, e).

@@ -387,7 +387,7 @@ def _advance() -> tuple[RowFunction, RowFunction]:
 
 
 def _is_indefinite(pivot: Any) -> Any:
-    """Whether a pivot is not positive, also where it is no number: 1 or 0."""
+    """Tell whether a pivot is not positive, also where it is no number: 1 or 0."""
     return ca.if_else(pivot > 0.0, 0.0, 1.0)
 
 

@@ -54,7 +54,7 @@ class SteadyTurn(NamedTuple):
 
 class ContactLimits(NamedTuple):
     """
-    What a contact allows, and how its normal moves.
+    Limits of a contact, and the motion of its normal.
 
     :param slope: tangent of the half-angle of the cone, infinite where it does not count.
     :param max_angle: largest pushing angle [rad].
@@ -131,7 +131,7 @@ class SteadyTurns(NamedTuple):
 
 class TurnKey(NamedTuple):
     """
-    What steady turns depend on.
+    Key of the steady turns: all on which they depend.
 
     :param supports: ``SupportLayout`` of the ``PushParameters``.
     :param column: the same as numbers.

@@ -58,7 +58,7 @@ MAY_STEER = StepData._fields.index('may_steer')
 
 class EndError(NamedTuple):
     """
-    How far the end of a push is off the goal.
+    Deviation of the end of a push from the goal.
 
     :param position_error: distance [m].
     :param heading_error: angle; 0 where the heading is free [rad].

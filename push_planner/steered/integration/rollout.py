@@ -178,7 +178,7 @@ class RolloutMemory:
 
     @property
     def fine_converged(self) -> bool:
-        """Whether Newton's method has converged in all parts of the last fine rollout."""
+        """Tell whether Newton's method has converged in all parts of the last fine rollout."""
         return self._fine.converged()
 
     @property

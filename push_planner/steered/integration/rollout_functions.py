@@ -34,7 +34,7 @@ ROUNDING = 1e-9
 
 class Checks(NamedTuple):
     """
-    What is checked of a rollout.
+    Checks of a rollout.
 
     :param total: sum of all samples, path lengths and V, which is finite where they are.
     :param force_ratio: largest |F_t| / F_n; infinite where the contact pulls.
@@ -49,7 +49,7 @@ class Checks(NamedTuple):
 
     @property
     def is_sound(self) -> bool:
-        """Whether all of the rollout is finite, and its path never goes back."""
+        """Tell whether all of the rollout is finite, and its path never goes back."""
         return (math.isfinite(self.total) and self.least_length > -ROUNDING
                 and self.least_v_squared >= 0.0)
 

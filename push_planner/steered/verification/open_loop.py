@@ -129,7 +129,7 @@ class OpenLoopSimulation:
         self._buffer.set_res(1, self._force.data)
 
     def start(self) -> FloatArray:
-        """Begin where the problem does, nothing imposed yet; return the state."""
+        """Start where the problem does, nothing imposed yet; return the state."""
         self.segment = None
         return np.array([*self.problem.start, 0.0, self.problem.normal,
                          *self.problem.contact_point])
@@ -186,7 +186,7 @@ class OpenLoopSimulation:
     def start_segment(self, state: FloatArray,
                       segment: PushSegment) -> tuple[FloatArray, tuple[float, float]]:
         """
-        Begin a segment: the velocity imposed at the contact may jump.
+        Start a segment: the velocity imposed at the contact may jump.
 
         :param state: of the object.
         :return: (state after the jump, (v_x, v_y) of the jump [m/s]).

@@ -131,7 +131,7 @@ class _MapPoses(NamedTuple):
 
 class _Known(NamedTuple):
     """
-    What is known of pushes and paths for one request.
+    Pushes and paths for one request.
 
     :param poses: ``_MapPoses``.
     :param primitives: ``PushPrimitives``.

@@ -50,7 +50,7 @@ class Lattice(NamedTuple):
 
 class SearchSettings(NamedTuple):
     """
-    What a search weighs.
+    Weights of a search.
 
     :param position_tolerance: distance from the goal at which a push ends there [m].
     :param heading_tolerance: likewise [rad].
@@ -72,7 +72,7 @@ class SearchSettings(NamedTuple):
 
 class Query(NamedTuple):
     """
-    What is searched for, in the frame of the map.
+    Task of a search, in the frame of the map.
 
     :param start: pose of the object.
     :param robot: pose of the robot.
@@ -105,7 +105,7 @@ class Query(NamedTuple):
 
 class Guide(NamedTuple):
     """
-    What the estimate reads of map and object.
+    Arrays of map and object that the estimate reads.
 
     :param grid: ``DistanceGrid`` to the goal.
     :param open_floor: ``CostGrid`` of open floor.
@@ -117,7 +117,7 @@ class Guide(NamedTuple):
 
 class Problem(NamedTuple):
     """
-    All that a search reads.
+    Inputs of a search.
 
     :param scene: ``Scene``.
     :param pushes: ``Pushes`` that it chooses from.
@@ -137,7 +137,7 @@ class Problem(NamedTuple):
 
 class Memory(NamedTuple):
     """
-    All that a search writes.
+    Arrays that a search writes.
 
     :param nodes: shape (n, ``NODE_SIZE``).
     :param links: shape (n, ``LINK_SIZE``).

@@ -65,7 +65,7 @@ class Pushes(NamedTuple):
 
 
 class _Effects(NamedTuple):
-    """What pushes do; fields as of ``Pushes``, without their first axis."""
+    """Effects of pushes; fields as of ``Pushes``, without their first axis."""
 
     means: FloatArray
     stds: FloatArray
@@ -92,7 +92,7 @@ class _Contacts(NamedTuple):
 
 
 class _Starts(NamedTuple):
-    """What of the pushes does not depend on the weights; fields as of ``Pushes``."""
+    """Starts of the pushes, which do not depend on the weights; fields as of ``Pushes``."""
 
     contacts: _Contacts
     coarse: BoolArray

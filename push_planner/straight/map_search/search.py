@@ -39,7 +39,7 @@ BEARINGS = tuple(np.linspace(-math.pi, math.pi, 8, endpoint=False).tolist())
 
 
 class SearchEnd(enum.Enum):
-    """How a search ended."""
+    """End of a search."""
 
     FOUND = 'found'
     EXHAUSTED = 'all that can be reached was searched'
@@ -97,7 +97,7 @@ class SearchPush(NamedTuple):
 
 class SearchResult(NamedTuple):
     """
-    What a search found.
+    Result of a search.
 
     :param end: ``SearchEnd``.
     :param pushes: ``SearchPush`` to the goal, or to where the floor is open up to it; those to the

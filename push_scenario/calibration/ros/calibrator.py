@@ -34,7 +34,7 @@ FINAL_ZEROS = 5
 
 @dataclasses.dataclass(frozen=True)
 class CalibrationOptions:
-    """How the calibration runs."""
+    """Options of the calibration."""
 
     side: float = quantity('side of the free square, in whose middle the robot stands', 'm', 1.0,
                            20.0, default=2.0)

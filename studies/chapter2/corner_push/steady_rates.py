@@ -40,7 +40,7 @@ Boxes = dict[str, PushedObject]
 
 class _BoxRates(NamedTuple):
     """
-    How one box rotates.
+    Rates of rotation of one box.
 
     :param curve: steady yaw rates at the speeds that are drawn [rad/s], shape (n,).
     :param steady: the same at the checked speeds, shape (k,).

@@ -124,7 +124,7 @@ def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
 
 class Swing(NamedTuple):
     """
-    How a disturbance oscillates.
+    Oscillation of a disturbance.
 
     :param overshoot: fraction of the initial deviation, 0 where there is none.
     :param frequency: from the time between the first two zeros; 0 where there are not two

@@ -119,7 +119,7 @@ def draw_off_axis(figure: Figure, outcome: Outcome, _: Values) -> None:
 
 class Geometry(NamedTuple):
     """
-    What the caption of a figure states.
+    Geometry that the caption of a figure states.
 
     :param robot_radius: r_pc [m].
     :param center_distance: r_fc [m].

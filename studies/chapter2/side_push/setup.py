@@ -36,7 +36,7 @@ SETUP = (Parameter('robot_radius', 'm', 'radius of the robot'),
 
 class Start(NamedTuple):
     """
-    How a push begins.
+    Start of a push.
 
     :param rotation: of the box from straight ahead, rolled on the robot [rad].
     :param lateral_offset: of the robot from the centre line of the box before that, to the left

@@ -25,7 +25,7 @@ SIZE = len(STATE)
 
 class Rollout(NamedTuple):
     """
-    Where an executed plan leads.
+    Rollout of an executed plan.
 
     :param pose: of the object at the end.
     :param position_error: distance from the goal [m].

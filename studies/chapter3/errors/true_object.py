@@ -10,7 +10,7 @@ MakeTrue = Callable[[PushedObject, float], PushedObject]
 
 class TruePush(NamedTuple):
     """
-    What is true of a push.
+    True parameters of a push.
 
     :param obj: the pushed object.
     :param speed_scale: factor on the planned speed.
