@@ -50,7 +50,7 @@ SIGNAL_PERIOD = 0.1
 ENDING_TIME = 2.0
 # Time after a signal from which on another one interrupts at once [s]; chosen: launch and a
 # terminal send one each for the same Ctrl-C.
-PATIENCE_TIME = 0.5
+INTERRUPT_DELAY = 0.5
 # Time after which an interrupt that could not be passed on is repeated [s]; chosen.
 REPEAT_TIME = 0.01
 # Words that ask for help, and what is said before the contract of a node, in its docstring.
@@ -350,7 +350,7 @@ class _StopSignal:
         if not self._has_come:
             self._came_at = now
             self.arm()
-        elif now - self._came_at > PATIENCE_TIME:
+        elif now - self._came_at > INTERRUPT_DELAY:
             self._interrupt(signum, frame)
         self._has_come = True
         if self.is_starting:

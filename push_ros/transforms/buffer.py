@@ -19,8 +19,8 @@ BACKWARDS = 1_000_000_000
 NANOSECOND = 1e-9
 
 
-class Lack(enum.Enum):
-    """Why there is no transform."""
+class LookupFailure(enum.Enum):
+    """Reason why there is no transform."""
 
     UNKNOWN_FRAME = 'unknown frame'
     NOT_CONNECTED = 'not connected'
@@ -32,17 +32,17 @@ class TransformUnavailable(LookupError):
     """
     There is no transform between two frames at a time.
 
-    ``lack``: the ``Lack``.
+    ``failure``: the ``LookupFailure``.
     """
 
-    def __init__(self, lack: Lack, text: str) -> None:
+    def __init__(self, failure: LookupFailure, text: str) -> None:
         super().__init__(text)
-        self.lack = lack
+        self.failure = failure
 
     @property
     def is_final(self) -> bool:
         """Tell whether no transform that comes later can help."""
-        return self.lack is Lack.TOO_EARLY
+        return self.failure is LookupFailure.TOO_EARLY
 
 
 class _Link:
@@ -180,7 +180,8 @@ class TransformBuffer:
         """
         link = self._links.get(_name(frame))
         if link is None:
-            raise TransformUnavailable(Lack.UNKNOWN_FRAME, f'no transform of {frame!r} has come')
+            raise TransformUnavailable(
+                LookupFailure.UNKNOWN_FRAME, f'no transform of {frame!r} has come')
         return link.parent
 
     def newest(self, frame: str) -> int | None:
@@ -224,13 +225,13 @@ class TransformBuffer:
         for frame in (source, target):
             if frame not in known:
                 raise TransformUnavailable(
-                    Lack.UNKNOWN_FRAME,
+                    LookupFailure.UNKNOWN_FRAME,
                     f'no transform of {frame!r} has come; known: {self.description}')
         above_source, above_target = self._line(source), self._line(target)
         common = next((frame for frame in above_source if frame in above_target), None)
         if common is None:
             raise TransformUnavailable(
-                Lack.NOT_CONNECTED,
+                LookupFailure.NOT_CONNECTED,
                 f'{source!r} and {target!r} are not connected; known: {self.description}')
         return _Path(tuple(above_source[:above_source.index(common)]),
                      tuple(above_target[:above_target.index(common)]))
@@ -240,10 +241,10 @@ class TransformBuffer:
         first, last = link.times[0], link.times[-1]
         if first <= time <= last:
             return
-        lack = Lack.TOO_EARLY if time < first else Lack.TOO_LATE
+        failure = LookupFailure.TOO_EARLY if time < first else LookupFailure.TOO_LATE
         raise TransformUnavailable(
-            lack, f'the transforms {link.parent} -> {frame} are of {first * NANOSECOND:.3f} to '
-                  f'{last * NANOSECOND:.3f} s')
+            failure, f'the transforms {link.parent} -> {frame} are of {first * NANOSECOND:.3f} to '
+            f'{last * NANOSECOND:.3f} s')
 
     def _climb(self, frames: tuple[str, ...], time: int) -> RigidTransform:
         transform = RigidTransform()

@@ -105,7 +105,7 @@ class WorldFrame:
         self._timeout = timeout
         self._buffer = TransformBuffer()
         self._listener: TransformListener | None = None
-        self._patient_until = 0.0
+        self._discovery_end = 0.0
         self._waiting: list[_Waiting] = []
         # By the function that moves it.
         self._anchors: dict[Callable[[Pose], None], _Anchor] = {}
@@ -151,7 +151,7 @@ class WorldFrame:
         self._hand_on_waiting()
         now = time.monotonic()
         waiting = _Waiting(topic, message, handlers,
-                           max(now + self._timeout, self._patient_until))
+                           max(now + self._timeout, self._discovery_end))
         if not self._hand_on(waiting, now):
             self._waiting.append(waiting)
             of_topic = [item for item in self._waiting if item.topic == topic]
@@ -193,7 +193,7 @@ class WorldFrame:
         # On the wall clock: a message waits for what comes over the network.
         self._node.create_timer(PERIOD, self._look_after,
                                 clock=Clock(clock_type=ClockType.STEADY_TIME))
-        self._patient_until = time.monotonic() + DISCOVERY_TIME
+        self._discovery_end = time.monotonic() + DISCOVERY_TIME
         return TransformListener(self._node, self._buffer, self._hand_on_waiting)
 
     def _look_after(self) -> None:
@@ -217,7 +217,7 @@ class WorldFrame:
             transform = self._look_up(message, handlers, is_late=now >= deadline)
         except TransformUnavailable as error:
             if is_refused or (now < deadline
-                              and not (error.is_final and now >= self._patient_until)):
+                              and not (error.is_final and now >= self._discovery_end)):
                 return False
             handlers.refuse(self._refusal(topic, message, str(error)), message)
             if handlers.is_latched:

@@ -144,7 +144,7 @@ def _watch(scenario: Scenario, client: ReplayClient, monitor: RunMonitor,
     """Set later goals, until the run has ended and everything has had its time to rest."""
     time_before, advanced_at = monitor.time, time.monotonic()
     # In lockstep, simulated time stands still while a task is planned.
-    patience = STALL_TIMEOUT if scenario.task is None else PLAN_TIMEOUT
+    stall_timeout = STALL_TIMEOUT if scenario.task is None else PLAN_TIMEOUT
     until = scenario.time_limit + SETTLE_TIME
     # One step further than the end: the clock may show a time before the tape has its row.
     while monitor.time <= until:
@@ -155,8 +155,8 @@ def _watch(scenario: Scenario, client: ReplayClient, monitor: RunMonitor,
             raise ReplayFailed(f'{SIM}: {monitor.error(SIM)}')
         if monitor.time > time_before:
             time_before, advanced_at = monitor.time, time.monotonic()
-        elif time.monotonic() - advanced_at > patience:
-            raise ReplayFailed(f'simulated time has stood still for {patience:g} s at '
+        elif time.monotonic() - advanced_at > stall_timeout:
+            raise ReplayFailed(f'simulated time has stood still for {stall_timeout:g} s at '
                                f'{time_before:g} s')
         if monitor.end is not None:
             until = min(monitor.end.time, scenario.time_limit) + SETTLE_TIME

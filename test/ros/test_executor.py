@@ -9,7 +9,7 @@ import sys
 import time
 
 from helpers.architecture import ROOT
-from push_ros.executor import BAD_PARAMETER, MessageWaiter, PATIENCE_TIME, run, take_message
+from push_ros.executor import BAD_PARAMETER, INTERRUPT_DELAY, MessageWaiter, run, take_message
 from push_ros.qos import LATCHED
 from push_scenario.dds.private_network import private_domain
 import pytest
@@ -113,7 +113,7 @@ def test_a_second_interrupt_ends_a_callback_at_once() -> None:
         while status is None:
             process.send_signal(signal.SIGINT)
             with contextlib.suppress(subprocess.TimeoutExpired):
-                status = process.wait(1.5 * PATIENCE_TIME)
+                status = process.wait(1.5 * INTERRUPT_DELAY)
         assert (status, process.stdout.read()) == (0, 'closed\n')
 
 

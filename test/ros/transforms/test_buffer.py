@@ -3,7 +3,9 @@
 import numpy as np
 from push_model.geometry import Pose
 from push_model.rigid_transform import RigidTransform
-from push_ros.transforms.buffer import HISTORY, Lack, TransformBuffer, TransformUnavailable
+from push_ros.transforms.buffer import (
+    HISTORY, LookupFailure, TransformBuffer, TransformUnavailable,
+)
 import pytest
 
 SECOND = 1_000_000_000
@@ -25,11 +27,11 @@ def robot():
     return buffer
 
 
-def lack_of(buffer, *arguments):
+def failure_of(buffer, *arguments):
     """Look up what is not there."""
     with pytest.raises(TransformUnavailable) as raised:
         buffer.lookup(*arguments)
-    return raised.value.lack
+    return raised.value.failure
 
 
 def test_frames_compose_along_the_tree_at_one_time(robot):
@@ -59,9 +61,9 @@ def test_a_frame_in_itself_needs_no_transform():
 
 def test_nothing_is_extrapolated(robot):
     """Before the first and after the last stamp there is no transform, and the error says so."""
-    assert lack_of(robot, 'odom', 'camera', 5 * SECOND) is Lack.TOO_LATE
+    assert failure_of(robot, 'odom', 'camera', 5 * SECOND) is LookupFailure.TOO_LATE
     robot.set('odom', 'base_link', HISTORY + 4 * SECOND, planar(4.0))
-    assert lack_of(robot, 'odom', 'camera', SECOND) is Lack.TOO_EARLY
+    assert failure_of(robot, 'odom', 'camera', SECOND) is LookupFailure.TOO_EARLY
     with pytest.raises(TransformUnavailable, match=r'odom -> base_link are of 4.000 to 14.000 s'):
         robot.lookup('odom', 'camera', SECOND)
 
@@ -69,8 +71,8 @@ def test_nothing_is_extrapolated(robot):
 def test_what_is_missing_is_named(robot):
     """An unknown frame, and one in another tree, with all that is known."""
     robot.set('world', 'tag', 0, planar(), is_static=True)
-    assert lack_of(robot, 'odom', 'tags', 0) is Lack.UNKNOWN_FRAME
-    assert lack_of(robot, 'odom', 'tag', 0) is Lack.NOT_CONNECTED
+    assert failure_of(robot, 'odom', 'tags', 0) is LookupFailure.UNKNOWN_FRAME
+    assert failure_of(robot, 'odom', 'tag', 0) is LookupFailure.NOT_CONNECTED
     with pytest.raises(TransformUnavailable, match=r"'tag' and 'odom' .*known: base_link"):
         robot.lookup('odom', 'tag', 0)
 
@@ -84,10 +86,10 @@ def test_late_transforms_are_put_in_their_place(robot):
 def test_time_that_goes_back_starts_over(robot):
     """What was of a later time is no longer known; static transforms stay."""
     robot.set('odom', 'base_link', 0, planar(-1.0))
-    assert lack_of(robot, 'odom', 'base_link', SECOND) is Lack.TOO_LATE
+    assert failure_of(robot, 'odom', 'base_link', SECOND) is LookupFailure.TOO_LATE
     assert robot.lookup('odom', 'camera').x == pytest.approx(-0.8)
     robot.clear()
-    assert lack_of(robot, 'odom', 'camera') is Lack.UNKNOWN_FRAME
+    assert failure_of(robot, 'odom', 'camera') is LookupFailure.UNKNOWN_FRAME
     assert robot.lookup('base_link', 'camera').planar == pytest.approx(Pose(0.2, 0.0, 0.5))
 
 
@@ -105,7 +107,7 @@ def test_frames_in_a_loop_end_in_an_error():
     buffer.set('a', 'b', 0, planar())
     buffer.set('b', 'a', 0, planar())
     buffer.set('odom', 'base_link', 0, planar())
-    assert lack_of(buffer, 'odom', 'a', 0) is Lack.NOT_CONNECTED
+    assert failure_of(buffer, 'odom', 'a', 0) is LookupFailure.NOT_CONNECTED
 
 
 @pytest.mark.parametrize('parent, child', [('', 'a'), ('a', ''), ('a', '/a')])
