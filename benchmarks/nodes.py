@@ -134,8 +134,8 @@ def reference_loop() -> float:
     """Measure the CPU time of a million additions [s]."""
     began = time.process_time()
     total = 0
-    for number in range(LOOP_COUNT):
-        total += number
+    for index in range(LOOP_COUNT):
+        total += index
     return (time.process_time() - began) / LOOP_COUNT * 1e6
 
 
@@ -201,28 +201,28 @@ def measure(folder: Path) -> dict[str, Any]:
         outcome, duration = seen.texts[CONTROLLER], time.monotonic() - began
         memory = {name: resident_memory(processes.pid(name)) for name in processes.names}
         processes.stop_all()
-    found = latencies(seen.arrivals['object_pose'], seen.arrivals['cmd_vel'])
+    times = latencies(seen.arrivals['object_pose'], seen.arrivals['cmd_vel'])
     return {'starts': starts, 'idle': idle, 'working': working, 'memory': memory,
-            'outcome': outcome, 'duration': duration, 'latencies': found}
+            'outcome': outcome, 'duration': duration, 'latencies': times}
 
 
-def report(found: dict[str, Any], loops: list[float]) -> str:
+def report(measured: dict[str, Any], loops: list[float]) -> str:
     """Format what was measured as Markdown."""
     rows = ['| node | first message | ready for a goal | CPU by then | CPU idle | CPU in a task '
             '| memory |',
             '| --- | --- | --- | --- | --- | --- | --- |']
     rows += [f'| `{name}` | {times.first_message:.1f} s | {times.ready:.1f} s | {times.cpu:.1f} s '
-             f'| {found["idle"][name]:.1%} | {found["working"][name]:.1%} '
-             f'| {found["memory"][name] / 1e6:.0f} MB |'
-             for name, times in found['starts'].items()]
-    median, worst = np.percentile(found['latencies'], (50, 99)) * 1e3
+             f'| {measured["idle"][name]:.1%} | {measured["working"][name]:.1%} '
+             f'| {measured["memory"][name] / 1e6:.0f} MB |'
+             for name, times in measured['starts'].items()]
+    median, worst = np.percentile(measured['latencies'], (50, 99)) * 1e3
     return '\n'.join([
         *rows, '',
-        f'{found["outcome"]} after {found["duration"]:.1f} s; pose to command, seen by another '
-        f'node: median {median:.1f} ms, 99 of 100 {worst:.1f} ms '
-        f'({len(found["latencies"])} poses).',
+        f'{measured["outcome"]} after {measured["duration"]:.1f} s; pose to command, seen by '
+        f'another node: median {median:.1f} ms, 99 of 100 {worst:.1f} ms '
+        f'({len(measured["latencies"])} poses).',
         f'Reference loop: {1e3 * min(loops):.1f} to {1e3 * max(loops):.1f} ms of CPU per million '
-        'additions; 1-minute load before and after: ' + ', '.join(found['loads']) + '.'])
+        'additions; 1-minute load before and after: ' + ', '.join(measured['loads']) + '.'])
 
 
 def main() -> None:
@@ -231,10 +231,10 @@ def main() -> None:
     loads = [f'{os.getloadavg()[0]:.1f}']
     loops = [reference_loop()]
     with tempfile.TemporaryDirectory() as folder:
-        found = measure(Path(folder))
+        measured = measure(Path(folder))
     loops.append(reference_loop())
-    found['loads'] = [*loads, f'{os.getloadavg()[0]:.1f}']
-    print(report(found, loops))
+    measured['loads'] = [*loads, f'{os.getloadavg()[0]:.1f}']
+    print(report(measured, loops))
 
 
 if __name__ == '__main__':

@@ -17,11 +17,11 @@ def fill_template(path: Path, **values: object) -> str:
     :raises ValueError: naming what is missing, or is not in the template.
     """
     template = path.read_text(encoding='utf-8')
-    expected, given = set(NAME.findall(template)), set(values)
-    if given != expected:
-        raise ValueError(f'{path.name}: got no {sorted(expected - given)} and unknown '
-                         f'{sorted(given - expected)}, expected each name of the template')
-    return NAME.sub(lambda found: str(values[found[1]]), template)
+    expected, passed = set(NAME.findall(template)), set(values)
+    if passed != expected:
+        raise ValueError(f'{path.name}: got no {sorted(expected - passed)} and unknown '
+                         f'{sorted(passed - expected)}, expected each name of the template')
+    return NAME.sub(lambda match: str(values[match[1]]), template)
 
 
 def updated_page(path: Path, page: str, previous: str,

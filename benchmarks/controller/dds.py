@@ -74,7 +74,7 @@ def over_dds(laws: Sequence[str]) -> list[OverDds]:
     from push_ros.topics import CONTROLLER
     from push_scenario.dds.replay import run_over_dds
     scenario = read_scenario(find_scenario(SCENARIO))
-    found: list[OverDds] = []
+    runs: list[OverDds] = []
     for law in laws:
         clock = _CpuClock(CONTROLLER)
         with tempfile.TemporaryDirectory() as folder:
@@ -82,19 +82,19 @@ def over_dds(laws: Sequence[str]) -> list[OverDds]:
                                   record=False, progress=clock.note, on_start=clock.start)
         if result.timing is None:
             raise RuntimeError(f'timing: got none of law {law}, expected that of a replay')
-        found.append(OverDds(law, result.outcome.value, clock.load,
-                             result.timing.latency_median, result.timing.latency_p99))
-    return found
+        runs.append(OverDds(law, result.outcome.value, clock.load,
+                            result.timing.latency_median, result.timing.latency_p99))
+    return runs
 
 
-def dds_table(found: Optional[Sequence[OverDds]]) -> str:
+def dds_table(runs: Optional[Sequence[OverDds]]) -> str:
     """
     Write CPU loads and latencies.
 
-    :param found: list of ``OverDds``; None without ROS 2.
+    :param runs: list of ``OverDds``; None without ROS 2.
     """
-    if not found:
+    if not runs:
         return 'Not measured in this run: neither the CPU load nor the latency over DDS.'
     return table(['law', 'outcome', 'CPU load of the node', 'pose to command, ms: median', 'p99'],
                  [(run.law, run.outcome, f'{100.0 * run.load:.0f} %', f'{1e3 * run.median:.2f}',
-                   f'{1e3 * run.high:.2f}') for run in found])
+                   f'{1e3 * run.high:.2f}') for run in runs])

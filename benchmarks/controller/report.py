@@ -62,8 +62,8 @@ def aim_table(results: Results) -> str:
                  [(*row[:3], 'yes' if row.is_met else '**no**') for row in rows])
 
 
-def _push_aims(found: Sequence[Group]) -> Iterator[Aim]:
-    for group in found:
+def _push_aims(all_groups: Sequence[Group]) -> Iterator[Aim]:
+    for group in all_groups:
         if group.kind != ALL:
             continue
         name = f'{group.law}, {group.stress}'
@@ -92,13 +92,13 @@ def _step_aims(runs: dict[str, list[Timed]]) -> Iterator[Aim]:
 
 def text(results: Results) -> str:
     """Fill the template."""
-    found = groups(results.jobs, results.records)
+    all_groups = groups(results.jobs, results.records)
     return fill_template(
         TEXT, COUNTS=_counts(results.jobs), AIMS=aim_table(results),
-        SUCCESS=success_table([group for group in found if group.kind == ALL]),
-        KINDS=success_table([group for group in found
+        SUCCESS=success_table([group for group in all_groups if group.kind == ALL]),
+        KINDS=success_table([group for group in all_groups
                              if group.kind != ALL and group.stress == STRESSES[0]]),
-        FAILURES=failure_table(found), REFUSALS=refusals(results.jobs, results.records),
+        FAILURES=failure_table(all_groups), REFUSALS=refusals(results.jobs, results.records),
         STEPS=step_table(results.runs), NODES=dds_table(results.nodes))
 
 

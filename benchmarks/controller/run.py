@@ -41,14 +41,14 @@ def push(job: dict[str, Any]) -> dict[str, Any]:
 def _run(case: Scenario, law: str, planned: float) -> dict[str, Any]:
     began = time.process_time()
     result = simulate(case, law)
-    found = measure(result)
+    measures = measure(result)
     record: dict[str, Any] = {'outcome': result.outcome.value, 'reason': result.reason,
                               'cpu': time.process_time() - began, 'success': False}
-    if found is not None:
-        record.update(position_error=found.position_error,
-                      heading_error=abs(found.heading_error),
-                      time_ratio=found.time / planned, slip=found.slip,
+    if measures is not None:
+        record.update(position_error=measures.position_error,
+                      heading_error=abs(measures.heading_error),
+                      time_ratio=measures.time / planned, slip=measures.slip,
                       success=bool(result.outcome is Outcome.DONE
-                                   and found.position_error <= POSITION_TOLERANCE
-                                   and abs(found.heading_error) <= HEADING_TOLERANCE))
+                                   and measures.position_error <= POSITION_TOLERANCE
+                                   and abs(measures.heading_error) <= HEADING_TOLERANCE))
     return record

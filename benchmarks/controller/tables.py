@@ -58,9 +58,9 @@ def groups(jobs: Sequence[Job], records: Sequence[Record]) -> list[Group]:
     :param records: what ``benchmarks.controller.run.push`` returned for them.
     """
     pairs = list(zip(jobs, records))
-    found = [_group(kind, stress, law, pairs) for stress in STRESSES for law in LAWS
-             for kind in (ALL, *KINDS)]
-    return [group for group in found if group.pushes]
+    candidates = [_group(kind, stress, law, pairs) for stress in STRESSES for law in LAWS
+                  for kind in (ALL, *KINDS)]
+    return [group for group in candidates if group.pushes]
 
 
 def _group(kind: str, stress: str, law: str, pairs: Sequence[Pair]) -> Group:
@@ -87,14 +87,14 @@ def wilson(hits: int, count: int) -> tuple[float, float]:
     return max(0.0, middle - half_width), min(1.0, middle + half_width)
 
 
-def success_table(found: Sequence[Group]) -> str:
+def success_table(all_groups: Sequence[Group]) -> str:
     """
     Write successes and errors.
 
-    :param found: list of ``Group``.
+    :param all_groups: list of ``Group``.
     """
     rows: list[Sequence[Any]] = []
-    for group in found:
+    for group in all_groups:
         count = len(group.pushes)
         low, high = wilson(group.successes, count)
         ratios = group.values('time_ratio')
@@ -116,14 +116,14 @@ def spread(values: Union[Sequence[float], FloatArray], form: str = '.1f', high: 
     return f'{np.median(values):{form}}, {np.percentile(values, high):{form}}'
 
 
-def failure_table(found: Sequence[Group]) -> str:
+def failure_table(all_groups: Sequence[Group]) -> str:
     """
     List the classes of failures, each with the first case that shows it.
 
-    :param found: list of ``Group``.
+    :param all_groups: list of ``Group``.
     """
     rows: list[Sequence[Any]] = []
-    for group in found:
+    for group in all_groups:
         if group.kind == ALL:
             continue
         faults: Counter[str] = Counter()
@@ -149,16 +149,16 @@ def fault(record: Record, law: str) -> str:
 
 def refusals(jobs: Sequence[Job], records: Sequence[Record]) -> str:
     """List why goals had no plan, or were refused at the start."""
-    found: Counter[tuple[str, str]] = Counter()
+    reasons: Counter[tuple[str, str]] = Counter()
     for job, record in zip(jobs, records):
         if job['stress'] == STRESSES[0]:
             reason = record['plan']
             if not reason and record[f'{LAWS[0]}.outcome'] == 'refused':
                 reason = record[f'{LAWS[0]}.reason']
             if reason:
-                found[job['kind'], re.sub(r'-?\d+(\.\d+)?', '#', reason)] += 1
+                reasons[job['kind'], re.sub(r'-?\d+(\.\d+)?', '#', reason)] += 1
     return '\n'.join(f'* {kind}: {count} x {reason}'
-                     for (kind, reason), count in found.most_common()) or 'None.'
+                     for (kind, reason), count in reasons.most_common()) or 'None.'
 
 
 def table(titles: Sequence[str], rows: Iterable[Sequence[Any]]) -> str:

@@ -174,20 +174,20 @@ def step_table(runs: dict[str, list[Timed]]) -> str:
     :param runs: name of the law -> list of ``Timed`` of the same cases.
     """
     rows: list[Sequence[Any]] = []
-    for name, found in runs.items():
-        position, heading = np.abs([run.error for run in found]).T
-        rows.append((name, len(found), sum(len(run.steps) for run in found),
-                     spread(cpu_times(found, 'steps'), '.3f', 99),
-                     spread(cpu_times(found, 'laws'), '.3f', 99),
-                     f'{sum(run.cost for run in found):.3f}', spread(1e3 * position),
+    for name, timed_runs in runs.items():
+        position, heading = np.abs([run.error for run in timed_runs]).T
+        rows.append((name, len(timed_runs), sum(len(run.steps) for run in timed_runs),
+                     spread(cpu_times(timed_runs, 'steps'), '.3f', 99),
+                     spread(cpu_times(timed_runs, 'laws'), '.3f', 99),
+                     f'{sum(run.cost for run in timed_runs):.3f}', spread(1e3 * position),
                      spread(TO_DEGREES * heading),
-                     sum(run.phase is Phase.DONE for run in found),
-                     sum(run.solver_failures for run in found)))
+                     sum(run.phase is Phase.DONE for run in timed_runs),
+                     sum(run.solver_failures for run in timed_runs)))
     return table(['law', 'pushes', 'steps', 'CPU ms per step: median, p99',
                   'the law in it: median, p99', 'closed-loop cost, sum', 'mm median, p95',
                   'deg median, p95', 'done', 'solver failures'], rows)
 
 
-def cpu_times(found: Sequence[Timed], name: Literal['steps', 'laws']) -> FloatArray:
+def cpu_times(timed_runs: Sequence[Timed], name: Literal['steps', 'laws']) -> FloatArray:
     """Gather the CPU times of some pushes [ms], of whole steps or of the law alone."""
-    return 1e3 * np.concatenate([getattr(run, name) for run in found])
+    return 1e3 * np.concatenate([getattr(run, name) for run in timed_runs])

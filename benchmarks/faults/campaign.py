@@ -103,8 +103,9 @@ def run(case: Case, time_after: float = TIME_AFTER) -> Row:
         return _run_node(case, time_after)
     fault = case.fault
     until = fault.end if fault.is_temporary else fault.start
-    found = simulated_record(load_scenario(case.scenario), [Injection(fault)], until + time_after)
-    return _evaluate(case, found)
+    simulated = simulated_record(load_scenario(case.scenario), [Injection(fault)],
+                                 until + time_after)
+    return _evaluate(case, simulated)
 
 
 def _run_node(case: Case, time_after: float) -> Row:
@@ -120,9 +121,9 @@ def _run_node(case: Case, time_after: float) -> Row:
         Record(scenario, done.simulation.tape, done.plans, done.sent), ending, reason))
 
 
-def _evaluate(case: Case, found: Simulated) -> Row:
+def _evaluate(case: Case, simulated: Simulated) -> Row:
     """Judge a run."""
-    fault, (record, ending, reason) = case.fault, found
+    fault, (record, ending, reason) = case.fault, simulated
     start = fault.start
     if fault.input is Input.COMMAND:
         start = effect_time(record.scenario.true_robot, fault, record.tape, record.sent)
@@ -247,10 +248,10 @@ def _run_random(options: argparse.Namespace) -> int:
 def _run_cases(cases: Sequence[Case], path: Path, jobs: int) -> None:
     """Run the cases that are not in a file yet."""
     known = {Case(row.scenario, row.fault) for row in read_rows(path)}
-    left = [case for case in cases if case not in known]
-    progress = _Progress(len(left))
+    remaining = [case for case in cases if case not in known]
+    progress = _Progress(len(remaining))
     with futures.ProcessPoolExecutor(jobs, multiprocessing.get_context('spawn')) as pool:
-        for done in futures.as_completed([pool.submit(run, case) for case in left]):
+        for done in futures.as_completed([pool.submit(run, case) for case in remaining]):
             row = done.result()
             append_row(path, row)
             progress.show(row)
@@ -259,12 +260,12 @@ def _run_cases(cases: Sequence[Case], path: Path, jobs: int) -> None:
 def _run_process_faults(path: Path) -> None:
     """Likewise; one after the other, as time on the wall counts."""
     known = {row.fault for row in read_process_rows(path)}
-    left = [fault for fault in process_faults() if fault not in known]
-    if not left:
+    remaining = [fault for fault in process_faults() if fault not in known]
+    if not remaining:
         return
-    progress = _Progress(len(left))
+    progress = _Progress(len(remaining))
     with process_rig() as rig:
-        for fault in left:
+        for fault in remaining:
             row = rig.run(fault)
             append_process_row(path, row)
             progress.show(row)
@@ -281,5 +282,6 @@ class _Progress:
     def show(self, row: object) -> None:
         """Print a line."""
         self._done += 1
-        left = (time.monotonic() - self._began) * (self._count / self._done - 1.0)
-        print(f'{self._done} of {self._count}, {left / 60.0:.0f} min left: {row}', flush=True)
+        remaining_time = (time.monotonic() - self._began) * (self._count / self._done - 1.0)
+        minutes = remaining_time / 60.0
+        print(f'{self._done} of {self._count}, {minutes:.0f} min left: {row}', flush=True)

@@ -43,12 +43,12 @@ def effect_time(robot: RoundRobot, fault: Fault, tape: Tape, sent: Sequence[Sent
     moved = np.stack([tape[f'robot_{name}'][first:] for name in Twist._fields], axis=1)
     if not len(times):
         return math.nan
-    expected, command, left = moved[0], STOP, iter([*sent, SentCommand(math.inf, STOP)])
-    following = next(left)
+    expected, command, remaining = moved[0], STOP, iter([*sent, SentCommand(math.inf, STOP)])
+    following = next(remaining)
     gap = np.zeros(3)
     for start, end, measured in zip(times, times[1:], moved[1:]):
         while following.time <= start:
-            command, following = following.twist, next(left)
+            command, following = following.twist, next(remaining)
         tracked = track_command(*expected.tolist(), tuple(limit_command(robot, command)), drive,
                                 float(end - start))
         expected = np.array(tracked[:3])

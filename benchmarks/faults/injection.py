@@ -164,7 +164,7 @@ class Injection:
         self._late: deque[tuple[float, Any]] = deque()
         self._robot_pose: Callable[[], Pose] = lambda: Pose(0.0, 0.0, 0.0)
         # Object pose at the beginning, beside which another object stands.
-        self._place: Pose | None = None
+        self._shown: Pose | None = None
         # Odometry as it is and as it comes, where wheels slip.
         self._slipping: tuple[Odometry, Odometry] | None = None
         self._is_installed = False
@@ -311,8 +311,8 @@ class Injection:
             return Pose(pose.x + x, pose.y + y, rng.uniform(-math.pi, math.pi)
                         ) if is_outlier else pose
         if word is Word.OF_ANOTHER_OBJECT:
-            self._place = self._place or pose
-            pose = Pose(self._place.x + OTHER_OBJECT.x, self._place.y, OTHER_OBJECT.theta)
+            self._shown = self._shown or pose
+            pose = Pose(self._shown.x + OTHER_OBJECT.x, self._shown.y, OTHER_OBJECT.theta)
         if word is Word.OF_THE_ROBOT:
             pose = self._robot_pose()
         noise = NOISE if word is Word.NOISY else OTHER_NOISE

@@ -202,17 +202,17 @@ class _Rig:
         else:
             topic, message = 'object_pose', to_object_pose_message(measured, FRAME)
         self._publishers[topic].publish(message)
-        stamp, found = nanoseconds(message.header.stamp), []
+        stamp, commands = nanoseconds(message.header.stamp), []
 
         def is_answered() -> bool:
             command = take_message(self._inputs['cmd_vel'])
             if command is not None and nanoseconds(command.header.stamp) == stamp:
-                found.append(from_twist_message(command.twist))
-            return bool(found)
+                commands.append(from_twist_message(command.twist))
+            return bool(commands)
         self._wait(is_answered, WITHHELD_TIME if self._withheld else ANSWER_TIME)
         # What can wait: goals, maps and plans.
         self._executor.spin_once(timeout_sec=0.0)
-        twist = found[0] if found else STOP
+        twist = commands[0] if commands else STOP
         self.sent.append(SentCommand(self.simulation.time, twist))
         self.simulation.command(twist)
 
@@ -265,11 +265,11 @@ class _Rig:
         """Plan, and publish the plan after the planning time, or spoil it."""
         stamp, now = message.header.stamp, self.simulation.time
         try:
-            found = self._planner.plan(self._planner.read(message))
+            plan = self._planner.plan(self._planner.read(message))
         except PlanningFailed as failure:
             self._publishers['push_plan'].publish(no_plan_message(failure.code, stamp, FRAME))
             return
-        trajectory = found.trajectory
+        trajectory = plan.trajectory
         answer = to_plan_message(trajectory, stamp, FRAME)
         if not self._is_spoilt(Input.PLAN):
             self._withheld = False
@@ -306,17 +306,17 @@ class _Rig:
         return message
 
     def _publish_due(self) -> None:
-        now, left = self.simulation.time, []
+        now, remaining = self.simulation.time, []
         for at, topic, message in self._due:
             if at > now:
-                left.append((at, topic, message))
+                remaining.append((at, topic, message))
                 continue
             if topic == 'push_plan':
                 self._withheld = False
             if not (self._fault.word is Word.OFF and self._is_spoilt(
                     {'goal_pose': Input.GOAL, 'map': Input.MAP}.get(topic, Input.PLAN))):
                 self._publishers[topic].publish(message)
-        self._due = left
+        self._due = remaining
 
     def _spoil(self) -> None:
         """Let the source of goals or maps do what the fault is."""
@@ -343,7 +343,7 @@ class _Rig:
         message.header.frame_id, message.header.stamp = FRAME, to_stamp(EPOCH)
         return message
 
-    def _spoilt_goal(self, word: Word, number: int) -> PoseStamped | None:
+    def _spoilt_goal(self, word: Word, index: int) -> PoseStamped | None:
         goal = self._scenario.goal.pose
         message = self._goal(goal)
         if word is Word.GARBAGE:
@@ -353,9 +353,9 @@ class _Rig:
             message.pose.position.x = FAR
         elif word is Word.DELAYED:
             message.header.stamp = to_stamp(EPOCH - 100.0)
-        elif word is Word.SLOW and number % 2:
+        elif word is Word.SLOW and index % 2:
             return self._goal(goal @ OFFSET)
-        elif word is Word.OFF or word is Word.INTERMITTENT and number % 2:
+        elif word is Word.OFF or word is Word.INTERMITTENT and index % 2:
             return None
         return message
 
@@ -364,13 +364,13 @@ class _Rig:
         corner = Pose(-0.5 * MAP_SIZE, -0.5 * MAP_SIZE, 0.0)
         return to_map_message(OccupancyMap(RESOLUTION, corner, cells), to_stamp(EPOCH), FRAME)
 
-    def _spoilt_map(self, word: Word, number: int) -> Any:
+    def _spoilt_map(self, word: Word, index: int) -> Any:
         message = self._map(is_occupied=word is Word.WRONG)
         if word is Word.GARBAGE:
             message.info.resolution = float(self._rng.choice([0.0, -1.0, math.nan]))
         elif word is Word.DELAYED:
             message.header.stamp = to_stamp(EPOCH - 100.0)
-        elif word is Word.OFF or word is Word.INTERMITTENT and number % 2:
+        elif word is Word.OFF or word is Word.INTERMITTENT and index % 2:
             return None
         return message
 

@@ -198,7 +198,7 @@ class ProcessRig:
         monitor = self._monitor
         self._wait(lambda: monitor.nodes >= MODULES.keys() and not self._client.missing()
                    and time.monotonic() - monitor.odometry_at < 1.0, START_TIMEOUT)
-        self._begin(fault.state)
+        self._reach(fault.state)
         monitor.watch()
         struck_at = monitor.changed_at
         self._strike(fault)
@@ -213,7 +213,7 @@ class ProcessRig:
         return ProcessRow(fault, ending, '' if ending is Ending.DONE else reason, is_explained,
                           monitor.stood_at - struck_at)
 
-    def _begin(self, state: TaskState) -> None:
+    def _reach(self, state: TaskState) -> None:
         """Set goals until a task is in a state."""
         monitor = self._monitor
         self._set_goal()

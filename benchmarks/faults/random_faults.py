@@ -26,7 +26,7 @@ from push_scenario.definition.scenario import Scenario
 from tqdm import tqdm
 
 # Scenarios in which nothing is driven, and one whose plans in a large map take longest.
-LEFT_OUT = 'unreachable_goal', 'task_flat', 'task_spinning_wheels'
+OMITTED = 'unreachable_goal', 'task_flat', 'task_spinning_wheels'
 # Part of the runs that are random tasks; chosen.
 TASK_RATIO = 0.4
 # Faults of a run, at most; their lengths, evenly in logarithms [s]; when they begin [s], before
@@ -104,7 +104,7 @@ def draw_case(seed: int, number: int) -> RandomCase:
     :param number: of this one.
     """
     rng = np.random.default_rng([seed, number])
-    names = [name for name in scenario_names() if name not in LEFT_OUT]
+    names = [name for name in scenario_names() if name not in OMITTED]
     task = names[rng.integers(len(names))]
     if rng.uniform() < TASK_RATIO:
         kinds = KINDS[OPEN]
@@ -129,16 +129,16 @@ def run_random(case: RandomCase) -> RandomRow:
     scenario = _scenario(case.task)
     injections = [Injection(fault, seed=case.number + i) for i, fault in enumerate(case.faults)]
     end = max(fault.end for fault in case.faults)
-    found = simulated_record(scenario, injections, end + TIME_AFTER)
-    recession = _recession(found.record, case.faults[0].start)
-    is_explained = (is_truly_done(found.record) if found.ending is Ending.DONE
-                    else bool(found.reason))
-    if found.ending is Ending.WAITS:
-        is_explained = is_explained and stands(found.record.sent)
-    if found.ending is not Ending.DONE and _counts_recession(scenario, case.faults):
+    simulated = simulated_record(scenario, injections, end + TIME_AFTER)
+    recession = _recession(simulated.record, case.faults[0].start)
+    is_explained = (is_truly_done(simulated.record) if simulated.ending is Ending.DONE
+                    else bool(simulated.reason))
+    if simulated.ending is Ending.WAITS:
+        is_explained = is_explained and stands(simulated.record.sent)
+    if simulated.ending is not Ending.DONE and _counts_recession(scenario, case.faults):
         limit = MAX_RECESSION + max(map(offset_of, case.faults))
         is_explained = is_explained and recession <= limit
-    return RandomRow(case, found.ending, found.reason, is_explained, recession)
+    return RandomRow(case, simulated.ending, simulated.reason, is_explained, recession)
 
 
 def _scenario(task: str) -> Scenario:
@@ -174,10 +174,10 @@ def run_many(seed: int, count: int, path: Path, jobs: int) -> list[RandomRow]:
     """
     cases = [draw_case(seed, number) for number in range(count)]
     known = {row.case: row for row in read_random_rows(path)}
-    left = [case for case in cases if case not in known]
+    remaining = [case for case in cases if case not in known]
     pool = futures.ProcessPoolExecutor(jobs, multiprocessing.get_context('spawn'))
     try:
-        for future in tqdm([pool.submit(run_random, case) for case in left],
+        for future in tqdm([pool.submit(run_random, case) for case in remaining],
                            'random faults'):
             row = future.result()
             append_random_row(path, row)

@@ -19,7 +19,7 @@ HEADER = ('fault', 'runs', 'done', 'failed', 'waits', 'unexplained', 'stops afte
           'worst', 'drives until then [m], worst', 'object beside its plans [m], worst',
           'most frequent reason')
 # Numbers and quantities, by which reasons differ that are the same.
-NUMBERS = re.compile(r'\(.*?\)|[-\d.]+')
+FIGURES = re.compile(r'\(.*?\)|[-\d.]+')
 
 
 # Groups of faults whose stops are compared: where the input itself shows the fault, and where only
@@ -76,13 +76,14 @@ def stop_table(rows: Sequence[Row]) -> str:
     for name, (inputs, words) in (
             ('odometry or poses off, stuck or garbage', SHOWN),
             ('commands that the base does not follow: off, stuck, garbage, wrong', MOVED)):
-        found = [row for row in rows if row.fault.input in inputs and row.fault.word in words
-                 and row.stop_time > 0.0]
-        if found:
-            times, distances = ([getattr(row, field) for row in found]
+        chosen = [row for row in rows if row.fault.input in inputs and row.fault.word in words
+                  and row.stop_time > 0.0]
+        if chosen:
+            times, distances = ([getattr(row, field) for row in chosen]
                                 for field in ('stop_time', 'driven'))
             lines.append(_markdown([
-                name, str(len(found)), *(f'{np.quantile(times, q):.2f}' for q in (0.5, 0.99, 1.0)),
+                name, str(len(chosen)),
+                *(f'{np.quantile(times, q):.2f}' for q in (0.5, 0.99, 1.0)),
                 *(f'{np.quantile(distances, q):.2f}' for q in (0.99, 1.0))]))
     return '\n'.join(lines)
 
@@ -114,20 +115,20 @@ def table(rows: Sequence[Row]) -> str:
     for kind in Input:
         for word in Word:
             for is_temporary in (True, False):
-                found = [row for row in rows if row.fault.input is kind and row.fault.word is word
-                         and row.fault.is_temporary is is_temporary]
-                if any(row.ending is not Ending.DONE or not row.is_explained for row in found):
+                chosen = [row for row in rows if row.fault.input is kind and row.fault.word is word
+                          and row.fault.is_temporary is is_temporary]
+                if any(row.ending is not Ending.DONE or not row.is_explained for row in chosen):
                     duration = '2 s' if is_temporary else 'lasting'
-                    lines.append(_line(found, f'{kind.value} {word.value}, {duration}'))
+                    lines.append(_line(chosen, f'{kind.value} {word.value}, {duration}'))
     return '\n'.join(lines)
 
 
 def _line(rows: Sequence[Row], name: str) -> str:
     endings = Counter(row.ending for row in rows)
     reasons = [row.reason for row in rows if row.reason]
-    kinds = Counter(NUMBERS.sub('#', reason) for reason in reasons).most_common(1)
+    kinds = Counter(FIGURES.sub('#', reason) for reason in reasons).most_common(1)
     frequent = next((reason for reason in reasons
-                     if NUMBERS.sub('#', reason) == kinds[0][0]), '')
+                     if FIGURES.sub('#', reason) == kinds[0][0]), '')
     stops = sorted(row.stop_time for row in rows if not math.isnan(row.stop_time))
     driven = [row.driven for row in rows if not math.isnan(row.driven)]
     return _markdown([

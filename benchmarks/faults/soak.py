@@ -195,7 +195,7 @@ def read_tasks(path: Path) -> list[SoakTask]:
     """
     tasks: list[SoakTask] = []
     for values in read_lines(path):
-        nodes = {name: Sample(*numbers) for name, numbers in values.pop('nodes').items()}
+        nodes = {name: Sample(*sample) for name, sample in values.pop('nodes').items()}
         tasks.append(SoakTask(**values, nodes=nodes))
     return tasks
 
@@ -211,20 +211,20 @@ def soak_table(tasks: Sequence[SoakTask]) -> str:
         return 'Not measured.'
     part = max(1, round(PART * len(tasks)))
     first = round(WARM_UP * len(tasks))
-    begin, end = tasks[first:first + part], tasks[-part:]
+    early, end = tasks[first:first + part], tasks[-part:]
     lines = ['| | beginning | end | ratio |', '| --- | --- | --- | --- |',
              _row('wall time per simulated second, all [ms]', *(
                  1e3 * sum(task.wall_time for task in tasks) / sum(
-                     task.duration for task in tasks) for tasks in (begin, end)))]
+                     task.duration for task in tasks) for tasks in (early, end)))]
     for name in tasks[0].nodes:
         cpu = [1e3 * sum(task.nodes[name].cpu for task in tasks) / sum(
-            task.duration for task in tasks) for tasks in (begin, end)]
-        lines += [_row(f'`{name}`: memory [MB]', begin[-1].nodes[name].memory,
+            task.duration for task in tasks) for tasks in (early, end)]
+        lines += [_row(f'`{name}`: memory [MB]', early[-1].nodes[name].memory,
                        end[-1].nodes[name].memory),
                   _row(f'`{name}`: CPU per simulated second [ms]', *cpu),
-                  _row(f'`{name}`: file descriptors', begin[-1].nodes[name].descriptors,
+                  _row(f'`{name}`: file descriptors', early[-1].nodes[name].descriptors,
                        end[-1].nodes[name].descriptors),
-                  _row(f'`{name}`: threads', begin[-1].nodes[name].threads,
+                  _row(f'`{name}`: threads', early[-1].nodes[name].threads,
                        end[-1].nodes[name].threads)]
     done = sum(task.is_done for task in tasks)
     simulated = sum(task.duration for task in tasks)
@@ -234,7 +234,7 @@ def soak_table(tasks: Sequence[SoakTask]) -> str:
                       + interrupted, '', *lines])
 
 
-def _row(name: str, begin: float, end: float) -> str:
-    def number(value: float) -> str:
+def _row(name: str, early: float, end: float) -> str:
+    def text(value: float) -> str:
         return str(value) if isinstance(value, int) else f'{value:.1f}'
-    return f'| {name} | {number(begin)} | {number(end)} | {end / begin:.3f} |'
+    return f'| {name} | {text(early)} | {text(end)} | {end / early:.3f} |'

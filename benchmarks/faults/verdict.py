@@ -147,7 +147,7 @@ def deviation(record: Record, fault: Fault, stop_time: float) -> float:
         end = (fault.end if math.isnan(stop_time) else stop_time) + DISPLACING_TIME
     times = record.tape['time']
     after = poses[(times >= fault.start) & (times <= end)]
-    gaps = [np.hypot(*(planned - place).T).min() for place in after[::5]]
+    gaps = [np.hypot(*(planned - position).T).min() for position in after[::5]]
     return float(max(gaps, default=0.0))
 
 

@@ -68,13 +68,13 @@ def measure(name: str, instances: Sequence[Instance], *, width: float = 0.0,
     row = Row(name, width, [], [], [], [])
     for instance in instances:
         request = PlanRequest(instance.start, instance.robot_start, instance.goal, instance.obj)
-        begin = time.process_time()
+        started = time.process_time()
         try:
             plan = plan_for_request(request, instance.robot, PlannerSettings(), DriveSettings(),
                                     instance.occupancy_map)
         except PlanningFailed:
             plan = None
-        row.seconds.append(time.process_time() - begin)
+        row.seconds.append(time.process_time() - started)
         row.found.append(plan is not None)
         if plan is not None:
             row.pushes.append(1 + (0 if plan.remaining is None else len(plan.remaining.pushes)))

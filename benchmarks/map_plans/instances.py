@@ -98,7 +98,7 @@ def passage(name: str, drive: str, ratio: float, seed: int) -> Instance:
     occupied[:low, depth:depth + length] = True
     occupied[low + count:, depth:depth + length] = True
     occupancy_map = OccupancyMap(resolution, Pose(0.0, 0.0, 0.0), occupied)
-    start, goal = (_place(rng, obj, robot, occupancy_map, span) for span in (
+    start, goal = (_pose_in(rng, obj, robot, occupancy_map, span) for span in (
         (0.0, ROOM_DEPTH), (ROOM_DEPTH + PASSAGE_LENGTH, 2.0 * ROOM_DEPTH + PASSAGE_LENGTH)))
     return Instance(occupancy_map, obj, robot, start,
                     _beside(rng, obj, robot, occupancy_map, start), goal)
@@ -139,17 +139,17 @@ def building(name: str, drive: str, side: int, rooms: int, seed: int) -> Instanc
     first, low = (side - rooms * pitch) // 2, (side - pitch) // 2
     occupied[low:low + 2, first:first + rooms * pitch] = True
     occupied[low + pitch - 2:low + pitch, first:first + rooms * pitch] = True
-    for number in range(rooms + 1):
-        wall = first + number * pitch
+    for index in range(rooms + 1):
+        wall = first + index * pitch
         occupied[low:low + pitch, wall:wall + 2] = True
-        if 0 < number < rooms:
-            begin = low + int(rng.integers(pitch // 4, pitch - pitch // 4 - door, endpoint=True))
-            occupied[begin:begin + door, wall:wall + 2] = False
+        if 0 < index < rooms:
+            door_at = low + int(rng.integers(pitch // 4, pitch - pitch // 4 - door, endpoint=True))
+            occupied[door_at:door_at + door, wall:wall + 2] = False
     occupancy_map = OccupancyMap(RESOLUTION, Pose(0.0, 0.0, 0.0), occupied)
-    spans = [((first + number * pitch) * RESOLUTION, (first + (number + 1) * pitch) * RESOLUTION)
-             for number in (0, rooms - 1)]
+    spans = [((first + room * pitch) * RESOLUTION, (first + (room + 1) * pitch) * RESOLUTION)
+             for room in (0, rooms - 1)]
     across = low * RESOLUTION, (low + pitch) * RESOLUTION
-    start, goal = (_place(rng, obj, robot, occupancy_map, span, across) for span in spans)
+    start, goal = (_pose_in(rng, obj, robot, occupancy_map, span, across) for span in spans)
     return Instance(occupancy_map, obj, robot, start,
                     _beside(rng, obj, robot, occupancy_map, start), goal)
 
@@ -161,9 +161,9 @@ def _walled(rows: int, columns: int) -> BoolArray:
     return occupied
 
 
-def _place(rng: np.random.Generator, obj: PushedObject, robot: RoundRobot,
-           occupancy_map: OccupancyMap, along: tuple[float, float],
-           across: tuple[float, float] | None = None) -> Pose:
+def _pose_in(rng: np.random.Generator, obj: PushedObject, robot: RoundRobot,
+             occupancy_map: OccupancyMap, along: tuple[float, float],
+             across: tuple[float, float] | None = None) -> Pose:
     """Draw a pose of the object round which the robot can drive."""
     rows, _ = occupancy_map.occupied.shape
     across = across or (0.0, rows * occupancy_map.resolution)

@@ -57,10 +57,10 @@ def playing(scenario: str) -> Generator[str, None, None]:
     with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         try:
-            found = re.search(r'http\S+', process.stdout.readline())
-            if found is None:
+            match = re.search(r'http\S+', process.stdout.readline())
+            if match is None:
                 raise RuntimeError('play: got no address, expected one')
-            yield found[0]
+            yield match[0]
         finally:
             process.send_signal(signal.SIGINT)
 
@@ -101,21 +101,23 @@ def measure(driver: Any, url: str, size: tuple[int, int], duration: float) -> di
     driver.execute_script(START)
     before = driver.execute_script('return [app.recording.end, performance.now()]')
     time.sleep(duration)
-    found = driver.execute_script('return {...measured, scripts: app.frames, '
-                                  'end: [app.recording.end, performance.now()]}')
-    found['simulated'] = (found['end'][0] - before[0]) / (1e-3 * (found['end'][1] - before[1]))
-    return found
+    measured = driver.execute_script('return {...measured, scripts: app.frames, '
+                                     'end: [app.recording.end, performance.now()]}')
+    seconds = 1e-3 * (measured['end'][1] - before[1])
+    measured['simulated'] = (measured['end'][0] - before[0]) / seconds
+    return measured
 
 
-def line(name: str, found: dict[str, Any]) -> list[str]:
+def line(name: str, measured: dict[str, Any]) -> list[str]:
     """Sum up a measurement."""
-    intervals: FloatArray = np.diff(found['frames'])
-    scripts = np.array(found['scripts'])
+    intervals: FloatArray = np.diff(measured['frames'])
+    scripts = np.array(measured['scripts'])
     rate = 1e3 / intervals.mean()
     return [name, f'{rate:.1f}',
             *(f'{value:.1f}' for value in np.percentile(intervals, (50, 95, 99))),
             *(f'{value:.1f}' for value in np.percentile(scripts, (50, 95, 99))),
-            str(len(found['tasks'])), f'{sum(found["tasks"]):.0f}', f'{found["simulated"]:.2f}']
+            str(len(measured['tasks'])), f'{sum(measured["tasks"]):.0f}',
+            f'{measured["simulated"]:.2f}']
 
 
 def main() -> int:

@@ -146,16 +146,16 @@ def measure_all(chosen: argparse.Namespace) -> Results:
 
 def growth(chosen: argparse.Namespace) -> list[tuple[str, int, list[float]]]:
     """Measure how plans grow with their segments, and choices of sites with the faces."""
-    found: list[tuple[str, int, list[float]]] = []
+    rows: list[tuple[str, int, list[float]]] = []
     for count in SEGMENT_COUNTS:
         make = functools.partial(mid_face, speeds=SLOW_SPEEDS, segments=count, segment_length=20.0)
         answers = family(f'{count} segments', make, chosen.growing, 3)
-        found.append(('segments of a plan', count, [answer.cpu for answer in answers]))
+        rows.append(('segments of a plan', count, [answer.cpu for answer in answers]))
     for faces in FACE_COUNTS:
         sites = choices('holonomic', chosen.growing, 3, faces)
-        found.append(('faces of an object, choosing a site', faces,
-                      [choice.cpu for choice in sites if choice.found]))
-    return found
+        rows.append(('faces of an object, choosing a site', faces,
+                     [choice.cpu for choice in sites if choice.is_found]))
+    return rows
 
 
 def quality_of(square: Sequence[Answer], boxes: Sequence[Answer],

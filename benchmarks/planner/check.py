@@ -37,7 +37,7 @@ MIN_STEP = 1e-12
 SLOPE_TOLERANCE = 1e-7
 # Factor on all speeds for plans without inertia; chosen: inertia then counts 1e-6 as much.
 QUASI_STATIC_FACTOR = 1e-3
-Numbers = Union[Sequence[float], FloatArray]
+Values = Union[Sequence[float], FloatArray]
 
 
 class Replay(NamedTuple):
@@ -81,14 +81,14 @@ class SegmentInput(NamedTuple):
     """
     Input on a segment: the speed is linear in time, the angle in arc length.
 
-    :param begin: when it begins [s].
+    :param start: when it begins [s].
     :param speed: of the contact at the start [m/s].
     :param acceleration: of the contact [m/s^2].
     :param angle: pushing angle at the start [rad].
     :param slope: of the pushing angle over the arc length [rad/m].
     """
 
-    begin: float
+    start: float
     speed: float
     acceleration: float
     angle: float
@@ -154,26 +154,26 @@ class Push:
         for i, memory in enumerate(self._arrays):
             (buffer.set_arg if i < 2 else buffer.set_res)(i % 2, memoryview(memory))
 
-    def steer(self, begin: float, speeds: Numbers, angles: Numbers, duration: float) -> None:
+    def steer(self, start: float, speeds: Values, angles: Values, duration: float) -> None:
         """Set the input of a segment: its start [s], speed and angle at both ends, duration."""
         acceleration = (speeds[1] - speeds[0]) / duration
         path_length = 0.5 * (speeds[0] + speeds[1]) * duration
-        self._segment = SegmentInput(begin, speeds[0], acceleration, angles[0],
+        self._segment = SegmentInput(start, speeds[0], acceleration, angles[0],
                                      (angles[1] - angles[0]) / path_length)
 
     def rate(self, time: float, state: FloatArray) -> FloatArray:
         """Compute the rate of the state; the contact force is stored."""
-        begin, speed, acceleration, angle, slope = self._segment
-        passed = time - begin
+        start, speed, acceleration, angle, slope = self._segment
+        passed = time - start
         angle += slope * (speed + 0.5 * acceleration * passed) * passed
         speed += acceleration * passed
         rolling_fraction, robot = self.problem.rolling[0], self.problem.robot
         state_in, input_in, rates, _ = self._arrays
         state_in[:] = state[:7]
         if self._is_quasi_static:
-            ahead = state[4] + angle - state[2]
+            toward = state[4] + angle - state[2]
             state_in[3] = quasi_static_yaw_rate(self.problem.obj, state[5:7],
-                                                speed * math.cos(ahead), speed * math.sin(ahead))
+                                                speed * math.cos(toward), speed * math.sin(toward))
         robot_omega = 0.0
         if self._robot_rotates:
             robot_omega = float(yaw_rate(robot.drive, robot.radius, angle, state[4] - state[7],
@@ -188,7 +188,7 @@ class Push:
             rates[3] = 0.0
         return np.append(rates, robot_omega)
 
-    def jump(self, state: FloatArray, before: Numbers, after: Numbers) -> FloatArray:
+    def jump(self, state: FloatArray, before: Values, after: Values) -> FloatArray:
         """Return the state after a jump of (speed, angle) of the contact."""
         (v_0, a_0), (v_1, a_1) = before, after
         gamma = state[4]
@@ -224,18 +224,18 @@ def replay(plan: Plan, section_length: float = SECTION_LENGTH) -> Replay:
                       problem.heading])
     state = push.jump(state, (0.0, 0.0), (track.speeds[0], track.angles[0]))
     errors = np.zeros(2)
-    section_begin, sections, steepest = 0.0, 1, 0.0
+    section_start, sections, steepest = 0.0, 1, 0.0
     for first, last in zip(track.breaks, track.breaks[1:]):
         ends = [first, last]
         duration = track.times[last] - track.times[first]
         if duration == 0.0:
             state = push.jump(state, *zip(track.speeds[ends], track.angles[ends]))
             continue
-        if (track.arc_lengths[first] > section_begin
-                and track.arc_lengths[last] - section_begin > max_length):
+        if (track.arc_lengths[first] > section_start
+                and track.arc_lengths[last] - section_start > max_length):
             planned = _planned_state(plan.trajectory, problem, first, speed_factor)
             errors += math.hypot(*(state - planned)[:2]), np.abs(state - planned)[[2, 4]].max()
-            state, section_begin, sections = planned, track.arc_lengths[first], sections + 1
+            state, section_start, sections = planned, track.arc_lengths[first], sections + 1
         push.steer(track.times[first], track.speeds[ends], track.angles[ends], duration)
         course = solve_ivp(push.rate, track.times[ends], state, method='LSODA', rtol=ACCURACY,
                            atol=1e-2 * ACCURACY)

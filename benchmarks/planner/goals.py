@@ -15,7 +15,7 @@ from scipy.integrate import solve_ivp
 
 POSITION_TOLERANCE, HEADING_TOLERANCE = 1e-3, math.radians(0.1)
 SPEEDS = (0.05, 0.1, 0.25, 0.5, 1.0)
-SIDE, MASS, FRICTION, SPREAD = 0.4, 2.0, 0.3, 0.4
+SIDE, MASS, FRICTION, VARIATION = 0.4, 2.0, 0.3, 0.4
 NEAREST, FARTHEST, MAX_PATH_LENGTH = 0.2, 5.0, 100.0
 # The limits of the drive are not what is measured here: only the cone may be active.
 LIMITS: dict[str, Any] = {
@@ -72,7 +72,7 @@ def random_bin(rng: np.random.Generator) -> PushedObject:
 
 
 def _friction(rng: np.random.Generator, feet: int) -> FloatArray:
-    return rng.uniform(0.2, 0.6) * rng.uniform(1.0 - SPREAD, 1.0 + SPREAD, feet)
+    return rng.uniform(0.2, 0.6) * rng.uniform(1.0 - VARIATION, 1.0 + VARIATION, feet)
 
 
 def random_goal(rng: np.random.Generator) -> Pose:
@@ -94,8 +94,8 @@ def random_face(rng: np.random.Generator, **overrides: Any) -> PushProblem:
     """Draw a box and a push at a face, somewhere from where it can be steered both ways."""
     while True:
         obj = random_box(rng)
-        aside = friction_center(obj)[1] + rng.uniform(-0.1, 0.1) * abs(obj.outline[0][1])
-        problem = _push(rng, obj, Contact('face', 3, aside),
+        offset = friction_center(obj)[1] + rng.uniform(-0.1, 0.1) * abs(obj.outline[0][1])
+        problem = _push(rng, obj, Contact('face', 3, offset),
                         RoundRobot(rng.uniform(0.05, 0.3), 'holonomic', **LIMITS), 0.0, 0.0,
                         speeds=SPEEDS, overrides=overrides)
         if _steers(problem):
@@ -108,9 +108,9 @@ def vertex(rng: np.random.Generator, obj: Optional[PushedObject] = None, radius:
     obj = obj or square()
     x, y = friction_center(obj)
     c_x, c_y = obj.outline[0]
-    ahead = math.atan2(y - c_y, x - c_x)
-    return _push(rng, obj, Contact('vertex', 0), RoundRobot(radius, drive, **LIMITS), ahead,
-                 ahead, speeds=speeds, overrides={})
+    direction = math.atan2(y - c_y, x - c_x)
+    return _push(rng, obj, Contact('vertex', 0), RoundRobot(radius, drive, **LIMITS), direction,
+                 direction, speeds=speeds, overrides={})
 
 
 def rolling(rng: np.random.Generator) -> PushProblem:
@@ -148,10 +148,10 @@ def _random_end(rng: np.random.Generator, problem: PushProblem) -> Optional[Pose
 def random_round(rng: np.random.Generator) -> PushProblem:
     """Draw a round object and a push, from where it can be steered both ways."""
     while True:
-        place = rng.uniform(-math.pi, math.pi)
-        problem = _push(rng, random_bin(rng), Contact('round', 0, place),
-                        RoundRobot(0.17, 'holonomic', **LIMITS), place + math.pi,
-                        place + math.pi, speeds=SPEEDS, overrides={})
+        angle = rng.uniform(-math.pi, math.pi)
+        problem = _push(rng, random_bin(rng), Contact('round', 0, angle),
+                        RoundRobot(0.17, 'holonomic', **LIMITS), angle + math.pi,
+                        angle + math.pi, speeds=SPEEDS, overrides={})
         if _steers(problem):
             return problem
 

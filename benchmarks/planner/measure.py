@@ -55,22 +55,22 @@ def whole_plan(problem: PushProblem, previous: Plan | None = None) -> Plan:
     :param previous: ``Plan`` to go on from, or None.
     :raises PlanningFailed: where there is no plan.
     """
-    found = plan_push(problem, previous)
+    plan = plan_push(problem, previous)
     # Reading the report samples the motion.
-    _ = found.report
-    return found
+    _ = plan.report
+    return plan
 
 
 def measure(problem: PushProblem) -> Answer:
     """Plan once, and simulate the plan in open loop."""
     began = time.process_time()
     try:
-        found = whole_plan(problem)
+        plan = whole_plan(problem)
     except PlanningFailed as failure:
         return Answer(problem, time.process_time() - began, fault=str(failure))
     cpu = time.process_time() - began
-    driven = replay(found)
-    return Answer(problem, cpu, found.trajectory.duration, displacement_bound(problem), driven,
+    driven = replay(plan)
+    return Answer(problem, cpu, plan.trajectory.duration, displacement_bound(problem), driven,
                   _fault(problem, driven))
 
 
@@ -87,14 +87,14 @@ def _fault(problem: PushProblem, driven: Replay) -> str:
 def displacement_bound(problem: PushProblem) -> float:
     """Return the least time in which the push can get from its start to its goal [s]."""
     settings, c = problem.settings, problem.contact_point
-    begin, speed = problem.start.transform(c), settings.pushing_speed
+    start, speed = problem.start.transform(c), settings.pushing_speed
     if problem.kind == 'rolling':
         # The contact travels on the object; the robot's centre ends somewhere about the goal.
-        radius, reach = problem.robot.radius, max([problem.obj.radius, *(
+        radius, extent = problem.robot.radius, max([problem.obj.radius, *(
             math.hypot(*corner) for corner in problem.obj.outline)])
-        center = (begin[0] - radius * math.cos(problem.normal),
-                  begin[1] - radius * math.sin(problem.normal))
-        return max(0.0, distance(center, problem.goal) - reach - radius) / speed
+        center = (start[0] - radius * math.cos(problem.normal),
+                  start[1] - radius * math.sin(problem.normal))
+        return max(0.0, distance(center, problem.goal) - extent - radius) / speed
     if settings.heading_free:
-        return max(0.0, distance(begin, problem.goal) - math.hypot(*c)) / speed
-    return distance(begin, problem.goal.transform(c)) / speed
+        return max(0.0, distance(start, problem.goal) - math.hypot(*c)) / speed
+    return distance(start, problem.goal.transform(c)) / speed

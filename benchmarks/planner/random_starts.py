@@ -25,7 +25,7 @@ SEGMENT_LENGTH = 20.0
 SEED = 48
 # Random starts, chosen: intermediate poses lie within the goal's distance and this [m]; least
 # fraction of the tightest turns.
-REACH = 2.0
+MARGIN = 2.0
 GENTLEST = 0.3
 # Path length that a plan may fall short of the displacement bound by its tolerances [m]; chosen.
 SLACK = 1e-4
@@ -73,17 +73,17 @@ def starts(problem: PushProblem, rng: np.random.Generator, count: int) -> list[R
     :return: list of ``Route``.
     """
     vehicle, tightest = problem.vehicle, turn_pair(problem)
-    begin = Pose(vehicle.flat_output[0], vehicle.flat_output[1], vehicle.angle)
-    goal = problem.relative_goal @ begin
-    size = REACH + math.hypot(goal.x, goal.y)
-    found: list[Route] = []
-    while len(found) < count:
+    start = Pose(vehicle.flat_output[0], vehicle.flat_output[1], vehicle.angle)
+    goal = problem.relative_goal @ start
+    size = MARGIN + math.hypot(goal.x, goal.y)
+    routes: list[Route] = []
+    while len(routes) < count:
         left, right = (SteadyTurn(factor * turn.steering_angle, factor * turn.w)
                        for turn, factor in zip(tightest, rng.uniform(GENTLEST, 1.0, 2)))
         x, y = rng.uniform(-size, size, 2)
         between = Pose(x, y, rng.uniform(-math.pi, math.pi))
         path: tuple[DubinsPath, ...] = ()
-        pose = begin
+        pose = start
         for end in (between, goal) if rng.random() < 0.5 else (goal,):
             paths = dubins_paths(pose, end, 1.0 / left.curvature, -1.0 / right.curvature)
             path, pose = (*path, paths[rng.integers(len(paths))]), end
@@ -93,8 +93,8 @@ def starts(problem: PushProblem, rng: np.random.Generator, count: int) -> list[R
                       for c in curvatures)
         cost = sum(length / math.cos(turn.steering_angle) for length, turn in zip(lengths, turns))
         word = ''.join(part.word for part in path)
-        found.append(Route(DubinsPath(begin, word, lengths, curvatures), turns, 0.0, cost))
-    return found
+        routes.append(Route(DubinsPath(start, word, lengths, curvatures), turns, 0.0, cost))
+    return routes
 
 
 def solve(problem: PushProblem, route: Route) -> float:

@@ -43,13 +43,13 @@ def aim_table(results: Results) -> str:
     for aim, share in zip(DIFFERENTIAL_AIMS, (50, 95)) if driven else ():
         rows.append(_at_most(f'differential drive at a vertex, over a plan: percentile {share}',
                              aim, float(np.percentile(driven, share)) / plan))
-    found = [choice.cpu for choices in results.sites.values() for choice in choices
-             if choice.found]
+    times = [choice.cpu for choices in results.sites.values() for choice in choices
+             if choice.is_found]
     none = [choice.cpu for choices in results.sites.values() for choice in choices
-            if not choice.found]
-    for aim, share in zip(SITE_AIMS, (50, 95)) if found else ():
+            if not choice.is_found]
+    for aim, share in zip(SITE_AIMS, (50, 95)) if times else ():
         rows.append(_at_most(f'choosing a site, over a plan: percentile {share}', aim,
-                             float(np.percentile(found, share)) / plan))
+                             float(np.percentile(times, share)) / plan))
     if none:
         rows.append(_at_most('finding that there is no site, over a plan, median', SITE_AIMS[2],
                              float(np.median(none)) / plan))
@@ -67,8 +67,8 @@ def _median_cpu(answers: Sequence[Answer]) -> float:
 
 def _gap_rows(results: Results) -> list[AimRow]:
     rows: list[AimRow] = []
-    for name, found in results.quality.items():
-        gaps = [100.0 * item.gap for item in found]
+    for name, qualities in results.quality.items():
+        gaps = [100.0 * item.gap for item in qualities]
         for aim, title, share in zip(GAP_AIMS, ('p95', 'greatest'), (95, 100)) if gaps else ():
             rows.append(_at_most(f'{name}: cost above the best start, %, {title}', aim,
                                  float(np.percentile(gaps, share))))
@@ -97,8 +97,8 @@ def picture(path: Path, results: Results) -> None:
         _draw_fractions(times, [1e3 * answer.cpu for answer in answers], name,
                         color='black' if i == 0 else colormaps['tab20'](i - 1),
                         lw=1.2 if i else 2.4)
-    for name, found in results.quality.items():
-        _draw_fractions(gaps, [100.0 * max(item.gap, 0.0) for item in found], name)
+    for name, qualities in results.quality.items():
+        _draw_fractions(gaps, [100.0 * max(item.gap, 0.0) for item in qualities], name)
     times.set(xlabel='CPU time of a plan [ms]', ylabel='fraction of the pushes', xscale='log')
     times.xaxis.set_major_formatter('{x:g}')
     gaps.set(xlabel='time above the best of random starts [%]')

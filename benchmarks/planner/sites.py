@@ -47,12 +47,12 @@ class Choice(NamedTuple):
     Choice of a site.
 
     :param cpu: CPU time [s].
-    :param found: whether there is one.
+    :param is_found: whether there is one.
     :param faces: number of faces of the object.
     """
 
     cpu: float
-    found: bool
+    is_found: bool
     faces: int
 
 
@@ -84,10 +84,10 @@ def measure(kind: str, count: int, seed: int, title: str, faces: int = 4) -> lis
             chosen = choose_site(obj, robot, ORIGIN, goal,
                                  PlannerSettings(pushing_speed=float(speed), **settings))
             _ = chosen.plan.report
-            found = True
+            is_found = True
         except PlanningFailed:
-            found = False
-        return Choice(time.process_time() - began, found, faces)
+            is_found = False
+        return Choice(time.process_time() - began, is_found, faces)
     return collect(goals(count, seed), title, choose)
 
 

@@ -19,7 +19,7 @@ class SiteTimes(Protocol):
     def cpu(self) -> float: ...  # noqa: D102
 
     @property
-    def found(self) -> bool: ...  # noqa: D102
+    def is_found(self) -> bool: ...  # noqa: D102
 
 
 class TwoPlans(Protocol):
@@ -44,7 +44,7 @@ def table(head: Sequence[Any], rows: Iterable[Sequence[Any]]) -> str:
                      for line in (head, ['---'] * len(head), *rows))
 
 
-def spread(values: Sequence[float], form: str = '{:.1f}', scale: float = 1e3) -> list[str]:
+def quantiles(values: Sequence[float], form: str = '{:.1f}', scale: float = 1e3) -> list[str]:
     """Write median, 95th percentile and greatest of some values; empty without any."""
     if not len(values):
         return ['', '', '']
@@ -62,7 +62,7 @@ def row(name: str, answers: Sequence[Answer]) -> list[str]:
     good = [answer for answer in answers if not answer.fault]
     driven = [answer.replay for answer in answers if answer.replay]
     over = [answer.duration / answer.bound for answer in good if answer.bound > 0.0]
-    return [name, f'{len(good)}/{len(answers)}', *spread([answer.cpu for answer in answers]),
+    return [name, f'{len(good)}/{len(answers)}', *quantiles([answer.cpu for answer in answers]),
             greatest([run.position_error for run in driven], '{:.3f}', 1e3),
             greatest([math.degrees(run.heading_error) for run in driven], '{:.4f}'),
             greatest([run.steepest / answer.problem.planning_cone_angle for answer in answers
@@ -90,11 +90,11 @@ def speed_table(answers: Sequence[Answer]) -> str:
 
 def faults(kinds: dict[str, list[Answer]]) -> str:
     """Write the unsolved pushes, one line for each kind and reason."""
-    found: collections.Counter[tuple[str, str]] = collections.Counter()
+    counts: collections.Counter[tuple[str, str]] = collections.Counter()
     for name, answers in kinds.items():
-        found.update((name, answer.fault) for answer in answers if answer.fault)
-    lines = [f'* {name}: {count} x {fault}' for (name, fault), count in found.most_common(12)]
-    more = len(found) - len(lines)
+        counts.update((name, answer.fault) for answer in answers if answer.fault)
+    lines = [f'* {name}: {count} x {fault}' for (name, fault), count in counts.most_common(12)]
+    more = len(counts) - len(lines)
     if more > 0:
         lines.append(f'* and {more} other reasons')
     return '\n'.join(lines) or 'Nothing.'
@@ -106,8 +106,8 @@ def warm_start_table(kinds: Mapping[str, Sequence[TwoPlans]]) -> str:
     for name, pairs in kinds.items():
         if not pairs:
             continue
-        rows.append([name, *spread([pair.first for pair in pairs])[:2],
-                     *spread([pair.on for pair in pairs]),
+        rows.append([name, *quantiles([pair.first for pair in pairs])[:2],
+                     *quantiles([pair.on for pair in pairs]),
                      f'{sum(pair.went_on for pair in pairs)}/{len(pairs)}',
                      f'{np.median([pair.duration for pair in pairs]):.4f}',
                      f'{max(pair.duration for pair in pairs):.4f}'])
@@ -121,12 +121,12 @@ def warm_start_table(kinds: Mapping[str, Sequence[TwoPlans]]) -> str:
 def quality_table(groups: dict[str, list[Quality]]) -> str:
     """Write plans against the best of random starts."""
     rows: list[list[Any]] = []
-    for name, found in groups.items():
-        gaps = [100.0 * item.gap for item in found]
-        rows.append([name, len(found), *spread(gaps, '{:.2f}', 1.0),
+    for name, qualities in groups.items():
+        gaps = [100.0 * item.gap for item in qualities]
+        rows.append([name, len(qualities), *quantiles(gaps, '{:.2f}', 1.0),
                      sum(gap <= SMALL_GAP for gap in gaps),
-                     f'{np.mean([item.converged for item in found]):.0f}' if found else '',
-                     sum(item.below_bound for item in found)])
+                     f'{np.mean([item.converged for item in qualities]):.0f}' if qualities else '',
+                     sum(item.below_bound for item in qualities)])
     return table(['', 'pushes', 'above the best start by %, median', 'p95', 'max',
                   f'within {SMALL_GAP} %', 'starts that converged, mean', 'below the bound'], rows)
 
@@ -134,19 +134,19 @@ def quality_table(groups: dict[str, list[Quality]]) -> str:
 def site_table(kinds: Mapping[str, Sequence[SiteTimes]]) -> str:
     """Write the choice of the contact site, by the kind of drive and the answer."""
     rows: list[list[Any]] = []
-    for kind, found in kinds.items():
+    for kind, choices in kinds.items():
         for name, done in (('a site', True), ('none', False)):
-            times = [choice.cpu for choice in found if choice.found == done]
+            times = [choice.cpu for choice in choices if choice.is_found == done]
             if times:
-                rows.append([kind, name, len(times), *spread(times)])
+                rows.append([kind, name, len(times), *quantiles(times)])
     return table(['drive', 'answer', 'goals', 'CPU ms, median', 'p95', 'max'], rows)
 
 
-def growth_table(found: Sequence[tuple[str, int, Sequence[float]]]) -> str:
+def growth_table(growths: Sequence[tuple[str, int, Sequence[float]]]) -> str:
     """Write CPU times over a number, each beside that of the first of its kind."""
     rows: list[list[Any]] = []
     first: dict[str, float] = {}
-    for name, count, times in found:
+    for name, count, times in growths:
         median = float(np.median(times))
         first.setdefault(name, median)
         rows.append([name, count, f'{1e3 * median:.1f}', f'{median / first[name]:.2f}'])

@@ -67,8 +67,8 @@ def follow_axis(_: float, state: FloatArray) -> float:
     """Steer the box, as if on four feet, along the x axis; return the rate of the angle."""
     arm = -CONTACT[0]
     wheelbase = arm + float(np.mean(SUPPORTS[:, 0] ** 2)) / arm
-    ahead = state[Y] + (wheelbase - arm) * math.sin(state[THETA])
-    curvature = -ahead / FADING_LENGTH ** 2 - 2.0 * state[THETA] / FADING_LENGTH
+    lateral = state[Y] + (wheelbase - arm) * math.sin(state[THETA])
+    curvature = -lateral / FADING_LENGTH ** 2 - 2.0 * state[THETA] / FADING_LENGTH
     angle = -math.atan(wheelbase * curvature)
     return (min(MAX_ANGLE, max(-MAX_ANGLE, angle)) - state[RHO]) / ANGLE_LAG
 
@@ -113,15 +113,15 @@ class Cart:
         """Sum up the moments about the contact; return the rates of the swivels as well."""
         load = 0.25 * MASS * GRAVITY
         moment, rates = 0.0, np.zeros(len(SUPPORTS))
-        for number, arm in enumerate(SUPPORTS - CONTACT):
+        for index, arm in enumerate(SUPPORTS - CONTACT):
             moving = velocity + omega * np.array([-arm[1], arm[0]])
-            if number not in self.casters:
+            if index not in self.casters:
                 speed = math.hypot(*moving, SLIDING_SMOOTHING)
                 moment += _cross(arm, -FRICTION * load * moving / speed)
                 continue
-            heading, across = _unit(swivels[number]), _unit(swivels[number] + 0.5 * math.pi)
-            rates[number] = float(moving @ across) / TRAIL - omega
-            sense = math.tanh(rates[number] / SWIVEL_SMOOTHING)
+            heading, across = _unit(swivels[index]), _unit(swivels[index] + 0.5 * math.pi)
+            rates[index] = float(moving @ across) / TRAIL - omega
+            sense = math.tanh(rates[index] / SWIVEL_SMOOTHING)
             force = min(FRICTION * load, SWIVEL_FRICTION / TRAIL) * sense
             rolling = (ROLLING_RESISTANCE * load
                        * math.tanh(float(moving @ heading) / ROLLING_SMOOTHING))
@@ -194,12 +194,12 @@ def table_rows(error: Callable[[str, float, FloatArray | None], tuple[float, flo
     """
     rows = [f'| casters | {quantity} | swivels ahead | any, median | any, greatest |',
             '| --- | --- | --- | --- | --- |']
-    for name, number in cases:
-        errors = np.array([error(name, number, np.random.default_rng(seed).uniform(
+    for name, friction in cases:
+        errors = np.array([error(name, friction, np.random.default_rng(seed).uniform(
             -math.pi, math.pi, len(SUPPORTS))) for seed in range(SEEDS)])
-        cells = (error(name, number, None), np.median(errors, axis=0),
+        cells = (error(name, friction, None), np.median(errors, axis=0),
                  errors.max(axis=0))
-        rows.append(f'| {name} | {number:g} | ' + ' | '.join(
+        rows.append(f'| {name} | {friction:g} | ' + ' | '.join(
             f'{position:.0f} mm, {heading:.1f}°' for position, heading in cells) + ' |')
     return rows
 

@@ -85,14 +85,14 @@ class Push:
         return Pose(min(x for x, _ in obj.outline) - self.radius, offset, 0.0)
 
 
-def rectangle(size: tuple[float, float], places: Outline, mass: float,
+def rectangle(size: tuple[float, float], positions: Outline, mass: float,
               frictions: Sequence[float], grip: float,
               com: tuple[float, float] = (0.0, 0.0)) -> PushedObject:
     """Return an object with a rectangular outline of a length and a width."""
     length, width = size
     x, y = length / 2, width / 2
     supports = tuple(Support(foot_x, foot_y, mu)
-                     for (foot_x, foot_y), mu in zip(places, frictions))
+                     for (foot_x, foot_y), mu in zip(positions, frictions))
     return PushedObject(mass=mass, inertia=mass * (length ** 2 + width ** 2) / 12,
                         supports=supports, outline=((-x, -y), (x, -y), (x, y), (-x, y)),
                         center_of_mass=com, contact_friction_coefficient=grip)
@@ -193,8 +193,8 @@ def by_mujoco(push: Push, engine: Engine) -> list[Pose]:
     plant = MujocoPlant(push.object, push.robot, ORIGIN, push.robot_pose(), engine)
     edges = [round(push.duration * i / SAMPLES / engine.step) for i in range(SAMPLES + 1)]
     poses: list[Pose] = []
-    for begin, end in zip(edges, edges[1:]):
-        plant.advance((end - begin) * engine.step, push.command)
+    for start, end in zip(edges, edges[1:]):
+        plant.advance((end - start) * engine.step, push.command)
         poses.append(plant.object_pose)
     return poses
 

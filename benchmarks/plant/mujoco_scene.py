@@ -80,9 +80,9 @@ TUNED = Engine(step=2.5e-4, impratio=10.0, floor=(0.02, 1.0), floor_friction=(0.
                bumper_impedance=(0.9999, 0.9999), cone='elliptic', tolerance=1e-10)
 
 
-def xml(*numbers: float) -> str:
+def xml(*values: float) -> str:
     """Write numbers as an XML attribute."""
-    return ' '.join(f'{number:.12g}' for number in numbers)
+    return ' '.join(f'{value:.12g}' for value in values)
 
 
 def outline_geom(obj: PushedObject) -> str:

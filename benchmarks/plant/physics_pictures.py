@@ -43,11 +43,11 @@ def draw_alpha(axes: Axes, title: str, location: PushingLocation) -> None:
     axes.axhline(0.0, color=GREY, linewidth=0.8)
     axes.plot(rho, np.where(inside, alpha, np.nan), color=BLUE, linewidth=2.2)
     axes.plot(rho, np.where(inside, np.nan, alpha), color=BLUE, linewidth=1.4, linestyle='--')
-    found = equilibria(location)
-    for one in (item for item in found if abs(item.rho) < 0.75):
+    rest_positions = equilibria(location)
+    for one in (item for item in rest_positions if abs(item.rho) < 0.75):
         axes.plot(one.rho, 0.0, 'o', markersize=8, color=GREEN, zorder=3,
                   markerfacecolor=GREEN if one.is_stable else 'white')
-    centre = min(found, key=lambda one: abs(one.rho))
+    centre = min(rest_positions, key=lambda one: abs(one.rho))
     if centre.is_stable:
         edges = [item.rho for item in tolerances(location, centre, FRICTION)]
         axes.axvspan(min(edges), max(edges), color=GREEN, alpha=0.12)

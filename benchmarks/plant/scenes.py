@@ -65,7 +65,7 @@ class Scene:
     def object(self) -> PushedObject:
         """The ``PushedObject``: a square of 2 kg on four feet, its mass centre by the loads."""
         total = sum(self.load_fractions)
-        x, y = (sum(fraction * place[i] for fraction, place in zip(self.load_fractions, FEET))
+        x, y = (sum(fraction * foot[i] for fraction, foot in zip(self.load_fractions, FEET))
                 / total for i in (0, 1))
         supports = tuple(Support(foot_x, foot_y, 0.3, fraction)
                          for (foot_x, foot_y), fraction in zip(FEET, self.load_fractions))

@@ -46,7 +46,7 @@ def compare(push: Push) -> dict[str, PoseDifference]:
             for name, engine in ENGINES.items()}
 
 
-def spread(results: Sequence[dict[str, PoseDifference]]) -> str:
+def quantiles(results: Sequence[dict[str, PoseDifference]]) -> str:
     """Write median and maximum over the pushes, for each engine."""
     rows: list[list[str]] = []
     for name in ENGINES:
@@ -120,8 +120,8 @@ def picture(path: Path) -> None:
     from matplotlib.figure import Figure
     figure = Figure(figsize=(12, 7.2), layout='constrained')
     axes = figure.subplots(2, 3).ravel()
-    for axis, number in zip(axes, tqdm(PICTURED, desc='picture')):
-        push = PUSHES[number]
+    for axis, index in zip(axes, tqdm(PICTURED, desc='picture')):
+        push = PUSHES[index]
         poses, _ = by_plant(push)
         courses = [('plant', poses, '#0b6e4f', '-', 3.5)]
         courses += [(f'MuJoCo, {name}', by_mujoco(push, ENGINES[name]), color, style, 1.6)
@@ -131,7 +131,7 @@ def picture(path: Path) -> None:
             axis.plot([0.0, *(p.x for p in course)], [0.0, *(p.y for p in course)], style,
                       color=color, lw=width, label=label)
             axis.plot(*outline(push.object, course[-1]), style, color=color, lw=0.5 * width)
-        axis.set_title(f'{number + 1}: {push.kind}, {math.hypot(*push.speed):.2g} m/s, '
+        axis.set_title(f'{index + 1}: {push.kind}, {math.hypot(*push.speed):.2g} m/s, '
                        f'offset {1e3 * push.offset:g} mm', fontsize=10)
         axis.set_aspect('equal', 'datalim')
         axis.set(xlabel='x [m]', ylabel='y [m]')
@@ -151,7 +151,7 @@ def main() -> None:
                    [[f'{speed:g}', f'{1e3 * distance:.2f}', f'{math.degrees(angle):.3f}']
                     for speed, (distance, angle) in speed_trend()])
     text = fill_template(TEXT, VERSION=mujoco.__version__, COUNT=len(PUSHES),
-                         SPREAD=spread(results), SPEEDS=speeds,
+                         SPREAD=quantiles(results), SPEEDS=speeds,
                          STEPS=step_table(), RAISED=raised_table())
     (out / 'mujoco.md').write_text(text, encoding='utf-8')
     picture(out / 'mujoco.png')

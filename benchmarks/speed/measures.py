@@ -71,8 +71,8 @@ def control_speed() -> ControlSpeed:
     steps: dict[str, list[float]] = {'feedback': [], 'mpc': []}
     for kind, seed in PUSHES:
         for law, times in steps.items():
-            found = timed(kind, seed, law)
-            times += [] if found is None else found.steps
+            timed_push = timed(kind, seed, law)
+            times += [] if timed_push is None else timed_push.steps
     feedback, mpc = (statistics.median(times) for times in steps.values())
     return ControlSpeed(feedback / mujoco_step(), mpc / feedback)
 
@@ -140,10 +140,10 @@ def memory_growth(plans: int) -> float:
     assert task is not None
     rng = np.random.default_rng(1)
     first = 0.0
-    for number in range(plans):
+    for index in range(plans):
         goal = Pose(*rng.uniform((0.3, -1.5, -3.0), (1.5, 1.5, 3.0)).tolist())
         plan_straight_push(PlanRequest(Pose(0.0, 0.0, 0.0), Pose(-1.0, 0.0, 0.0), goal,
                                        scenario.object), scenario.robot, drive=task.drive)
-        if number + 1 == FIRST_PLANS:
+        if index + 1 == FIRST_PLANS:
             first = resident_memory(os.getpid())
     return resident_memory(os.getpid()) / first

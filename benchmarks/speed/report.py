@@ -46,8 +46,8 @@ class Row(NamedTuple):
 
 def control_rows(repeat: int) -> list[Row]:
     """Measure the controller."""
-    found = [measures.control_speed() for _ in range(repeat)]
-    over_mujoco, mpc = (sorted(column)[repeat // 2] for column in zip(*found))
+    speeds = [measures.control_speed() for _ in range(repeat)]
+    over_mujoco, mpc = (sorted(column)[repeat // 2] for column in zip(*speeds))
     return [Row('law `feedback` with its filter, over a step of MuJoCo', 2.0, over_mujoco),
             Row('step with the law `mpc` over one with `feedback`', 2.0, mpc)]
 

@@ -125,12 +125,12 @@ def default_text(spec: ParameterSpec) -> str:
 
 def tables() -> dict[str, str]:
     """Format all tables, by the name of their section: the basic parameters, and the others."""
-    found = {'topics': topic_table(), 'services': service_table(),
+    texts = {'topics': topic_table(), 'services': service_table(),
              'plan failures': failure_table(), 'basic parameters': basic_parameter_table()}
     for name, (nodes, specs) in parameter_groups().items():
         table = parameter_table(spec for spec in specs if not spec.metadata['is_basic'])
-        found[f'parameters {name}'] = f'Nodes: {_nodes(nodes)}.\n\n{table}'
-    return found
+        texts[f'parameters {name}'] = f'Nodes: {_nodes(nodes)}.\n\n{table}'
+    return texts
 
 
 def fill_sections(text: str) -> str:
