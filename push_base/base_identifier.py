@@ -349,8 +349,10 @@ class BaseIdentifier:
 
         if self._is_differential:
             # A wheel that only the contact holds, as one about which the robot turns, tells
-            # nothing.
-            if WINDOW * np.abs(models[QUICKER].mean(axis=0)).min() > MIN_DISTANCE:
+            # nothing; where neither wheel turns, the robot does not turn about one.
+            asked, done = (WINDOW * np.abs(values.mean(axis=0))
+                           for values in (models[QUICKER], measured))
+            if asked.min() > MIN_DISTANCE or done.max() < STUCK_RATIO * MIN_DISTANCE:
                 for wheel in (0, 1):
                     self._evaluate(0, windows(slice(wheel, wheel + 1)), time)
             return

@@ -174,6 +174,23 @@ def test_a_base_that_did_not_creep_creeps(drive, least, dead_time):
     assert base.odometry_pose.x - only_fast.odometry_pose.x > 0.15
 
 
+@pytest.mark.parametrize('noise', [0.0, 0.005])
+def test_a_base_that_hardly_asks_one_of_its_wheels_creeps_too(noise):
+    """As in slow bends: neither wheel turns, so that the robot does not turn about one."""
+    stated = robot_of('differential')
+    bend = Twist(0.009, 0.0, 0.044)
+    sequence = [*[Twist(0.25, 0.0, 0.0)] * 75, *[STOP] * 50, *[bend] * 600]
+    true = robot_of('differential', min_speed=0.05)
+    identifier, base = learned(true, stated, sequence, noise=noise)
+    assert identifier.knowledge.min_speed > 0.0
+    fixed = robot_of('differential', identify_base=False)
+    _, only_fast = learned(true, fixed, sequence, noise=noise)
+    turned = base.odometry_pose.theta - only_fast.odometry_pose.theta
+    assert turned > 0.3 * 600 * PERIOD * bend.omega
+    of_good_base, _ = learned(stated, stated, sequence, noise=noise)
+    assert of_good_base.knowledge == BaseKnowledge()
+
+
 @pytest.mark.parametrize('drive', DRIVES)
 def test_pulses_get_longer_behind_a_ramp_and_come_back(drive):
     """Short pulses never reach the least speed there; once they move the base they shrink."""
