@@ -84,6 +84,9 @@ FREE_QUANTUM = 0.012
 ROUNDING = 1.0 - 1e-6
 # Least speeds above these are not believed [m/s], [rad/s]: such a base is blocked, or off. Chosen.
 MAX_LEAST_SPEED, MAX_LEAST_YAW_RATE = 0.13, 0.35
+# Commands up to this ratio of the height of pulses tell that pulses of that height move the base;
+# chosen: faster ones move it whatever its least speed is.
+PULSED_RATIO = 1.2
 # Pulses that move nothing are at least so high over the least speed; how pulses get longer, at
 # most [s], and then higher, and how they come back; time between two changes [s]. Chosen: the base
 # is asked a few times at each.
@@ -374,9 +377,9 @@ class BaseIdentifier:
         # A base that only coasts tells nothing of what it does with slow commands.
         if min(window.expected, WINDOW * top) <= smallest or window.reverses:
             return
+        pulse_height = pulse_heights(self._robot, self.knowledge)[axis]
         # Long pulses are lower than by that ratio.
-        height = min(PULSE_RATIO * least, pulse_heights(self._robot, self.knowledge)[axis])
-        is_pulsed = 0.0 < ROUNDING * height <= top
+        is_pulsed = 0.0 < ROUNDING * min(PULSE_RATIO * least, pulse_height) <= top
         is_stuck = all(each.is_stuck for each in windows)
         if is_stuck and not is_pulsed and top <= cap:
             self._evidence[axis] = max(self._evidence[axis], top)
@@ -385,8 +388,9 @@ class BaseIdentifier:
             moved = window.measured / window.expected
             if is_stuck and top <= 2.5 * cap:
                 self._last_change = time
-                self._escalate(axis, min(cap, HIGHER * least))
-            elif MOVING_RATIOS[0] < moved < MOVING_RATIOS[1]:
+                self._escalate(axis, top)
+            elif (top <= PULSED_RATIO * pulse_height
+                    and MOVING_RATIOS[0] < moved < MOVING_RATIOS[1]):
                 self._last_change = time
                 self._relax(axis, max(self._floor(axis), LOWER * least))
 
@@ -395,14 +399,20 @@ class BaseIdentifier:
         unit = (1.0, self._half_track)[axis]
         return min(self._evidence[axis], FREE_QUANTUM / (MARGINS[0] * PULSE * unit))
 
-    def _escalate(self, axis: int, higher: float) -> None:
-        """Make pulses longer where the base cannot reach their height within them, else higher."""
+    def _escalate(self, axis: int, top: float) -> None:
+        """
+        Make pulses longer where the base cannot reach their height within them, else higher.
+
+        :param top: height of pulses that moved nothing [m/s or rad/s].
+        """
         known, acceleration = self.knowledge, self._drives[0][1 + axis]
         if known.pulse < MAX_PULSE and MARGINS[0] * known[1 + axis] > acceleration * known.pulse:
             self.knowledge = self.knowledge._replace(
                 pulse=min(MAX_PULSE, LONGER * known.pulse))
-        else:
-            self._set(axis, higher)
+            return
+        cap = (MAX_LEAST_SPEED, MAX_LEAST_YAW_RATE)[axis]
+        self._evidence[axis] = max(self._evidence[axis], min(cap, top))
+        self._set(axis, min(cap, max(HIGHER * known[1 + axis], top)))
 
     def _relax(self, axis: int, lower: float) -> None:
         """Make pulses shorter and lower again, as they move the base."""

@@ -8,7 +8,7 @@ import numpy as np
 from push_base import base_identifier
 from push_base.base_identifier import (
     ACCELERATION_RATIOS, BaseIdentifier, FREE_QUANTUM, MAX_GAP, MOVING_RATIOS, STEP)
-from push_base.command_shaper import CommandShaper, MAX_QUANTUM, pulse_height
+from push_base.command_shaper import CommandShaper, MARGINS, MAX_QUANTUM, pulse_height
 from push_model.base_knowledge import BaseKnowledge, PULSE
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
@@ -224,6 +224,30 @@ def test_a_base_with_a_dead_band_goes_on_creeping(drive, least):
     known = BaseKnowledge.stated(stated)._replace(pulse=0.16)
     _, base = learned(stated, stated, [Twist(0.03, 0.0, 0.0)] * 1500, known=known)
     assert base.odometry_pose.x > MOVING_RATIOS[0] * 0.9
+
+
+@pytest.mark.parametrize('drive', DRIVES)
+def test_fast_driving_tells_nothing_of_what_pulses_need(drive):
+    """A base with a dead band does it, too; pulses that move the base lower the least speed."""
+    stated = robot_of(drive, min_speed=0.1, min_yaw_rate=0.2)
+    fast, slow = [Twist(0.3, 0.0, 0.0)] * 250, [Twist(0.04, 0.0, 0.0)] * 250
+    for sequence, is_lowered in ((fast, False), ([*fast[:75], *slow], True)):
+        identifier, _ = learned(robot_of(drive), stated, sequence)
+        assert (identifier.knowledge.min_speed < 0.1) == is_lowered
+
+
+@pytest.mark.parametrize('drive', DRIVES)
+def test_pulses_that_move_nothing_tell_that_the_least_speed_is_above_them(drive):
+    """The next ones are above twice their height, and the base creeps."""
+    true = robot_of(drive, min_speed=0.085, min_yaw_rate=0.2)
+    known = BaseKnowledge(min_speed=0.03, min_yaw_rate=0.1)
+    # The dead time has to be known before, by a drive with stops.
+    fast = [Twist(0.25, 0.0, 0.0), STOP]
+    sequence = [command for command in fast * 3 for _ in range(30)]
+    identifier, _ = learned(true, robot_of(drive), [*sequence, *[Twist(0.03, 0.0, 0.0)] * 150],
+                            known=known)
+    height = MARGINS[0] * known.min_speed
+    assert identifier.knowledge.min_speed >= min(height, 0.06)
 
 
 def test_a_base_that_stands_above_the_cap_is_not_one_with_a_dead_band():
