@@ -27,6 +27,7 @@ class BadBase(NamedTuple):
     :param robot: true values of the robot that differ from the stated ones, by field.
     :param drive: ``DriveImperfections``.
     :param sensors: settings of the sensors that differ, by field.
+    :param mass_ratio: true mass of the object over what it is without this.
     :param success_aim: least success of tasks whose object it has the force for [%].
     :param time_aim: greatest median of the time over that of a good base.
     """
@@ -34,6 +35,7 @@ class BadBase(NamedTuple):
     robot: Mapping[str, float] = {}
     drive: DriveImperfections = DriveImperfections()
     sensors: Mapping[str, float] = {}
+    mass_ratio: float = 1.0
     success_aim: float = 97.0
     time_aim: float = 1.15
 
@@ -68,7 +70,12 @@ BAD_BASES: dict[str, BadBase] = {
         drive=DriveImperfections(output_min_speed=0.05, output_min_yaw_rate=0.1), time_aim=1.5),
     DRAWN: BadBase(success_aim=98.0, time_aim=1.5),
     'odometry in steps of 5 mm, 1 deg': BadBase(sensors={
-        'odometry_step': 0.005, 'odometry_angle_step': math.radians(1.0)})}
+        'odometry_step': 0.005, 'odometry_angle_step': math.radians(1.0)}),
+    'from 0.06 m/s on, behind the lag, 0.2 s late': BadBase(
+        {'dead_time': 0.2}, DriveImperfections(output_min_speed=0.06, output_min_yaw_rate=0.12),
+        time_aim=1.5),
+    'spinning beyond 20 N, object of 50 times its mass': BadBase(
+        {'max_push_force': 20.0}, mass_ratio=50.0)}
 # Of drawn bases: greatest least speed [m/s], and yaw rate for each m/s of it [rad/m]; part of
 # those with the limit before the lag; greatest dead time [s]; range of the lag [s]. Set for tasks.
 MAX_LEAST_SPEED = 0.09

@@ -355,10 +355,13 @@ def _with_base(case: Case, variety: str, base: str, rng: np.random.Generator) ->
         return case._replace(variety=GOOD)
     scenario, bad = case.scenario, bad_base(variety, rng)
     true_fields: dict[str, Any] = dict(bad.robot)
+    true_object = dataclasses.replace(
+        scenario.true_object, mass=bad.mass_ratio * scenario.true_object.mass)
     case = _with_sensors(case, **bad.sensors)
     return case._replace(variety=variety, scenario=dataclasses.replace(
         case.scenario,
         robot=dataclasses.replace(scenario.robot, identify_base=base != NOT_LEARNED),
+        true_object=true_object,
         true_robot=dataclasses.replace(scenario.true_robot, **true_fields),
         simulation=dataclasses.replace(scenario.simulation, drive=bad.drive)))
 

@@ -208,15 +208,17 @@ def test_who_says_done_too_early_or_is_slow_stands_out_in_the_table_of_eyes():
 
 
 def test_nothing_of_a_bad_base_is_stated():
-    """Only its true values, its drive and its odometry differ from the task on open floor."""
+    """Only true values, the drive and the odometry differ from the task on open floor."""
     name = KINDS[BASES][0]
     plain = draw(OPEN, name, 0).scenario
-    for seed in range(len(BAD_BASES)):
+    for seed, base in enumerate(BAD_BASES.values()):
         scenario = draw(BASES, name, seed).scenario
         different = {field.name for field in dataclasses.fields(plain)
                      if getattr(plain, field.name) != getattr(scenario, field.name)}
         assert {'description'} < different
-        assert different <= {'description', 'true_robot', 'simulation', 'sensors'}
+        assert different <= {'description', 'true_object', 'true_robot', 'simulation', 'sensors'}
+        assert scenario.true_object == dataclasses.replace(
+            plain.true_object, mass=base.mass_ratio * plain.true_object.mass)
 
 
 def test_bad_bases_are_compared_with_the_same_tasks():
