@@ -10,6 +10,7 @@ from push_control.ros.parameters import (
 )
 from push_model.files.flat_values import parameter_specs
 from push_model.parameters import PushedObject
+from push_ros.diagnostics import WARN
 from push_ros.executor import run
 from push_ros.lifecycle import ManagedNode
 from push_ros.parameters import DYNAMIC, dynamic_parameters, IDLE
@@ -121,6 +122,12 @@ class ControllerNode(ManagedNode):
             ``object_folder``, or a collision monitor cannot be asked to ignore the object.
         """
         self._catalogue.check_folder()
+        # Imported here: it takes a while, and the node reports before.
+        from push_control.unused_settings import unused_settings
+        parameters = self._present_parameters
+        for unused in unused_settings(parameters.object, parameters.robot, parameters.control,
+                                      is_task=parameters.options.task):
+            self.reporter.log(WARN, str(unused))
         parameters = self._present_parameters
         parameters.check()
         self._controller = ActiveController(self, parameters, self._world, self._catalogue)

@@ -80,6 +80,19 @@ def controller(folder, **parameters):
     return bench(folder, CONTROLLER, MODULE, {**PHYSICS, **parameters})
 
 
+def test_a_setting_without_effect_is_named_once_in_the_log(tmp_path):
+    """Of another law than the chosen one; settings that count are not named."""
+    settings = {'control.horizon_steps': 30, 'control.lateral_gain': 15.0}
+    with controller(tmp_path, task=False, **settings) as b:
+        b.subscribe('diagnostics')
+        b.wait_until(lambda: any('waits for a goal' in status.message
+                                 for message in b.received['diagnostics']
+                                 for status in message.status))
+    log = (tmp_path / f'{CONTROLLER}.log').read_text()
+    assert log.count('set without effect') == 1
+    assert 'control.horizon_steps: set without effect, as control.control_law is feedback' in log
+
+
 @pytest.mark.parametrize('task', [False, True])
 @pytest.mark.parametrize('topic', ['odom', 'object_pose'])
 def test_a_misspelt_topic_is_named_with_what_may_be_meant(tmp_path, topic, task):
