@@ -52,13 +52,13 @@ def unused_settings(obj: PushedObject, robot: RoundRobot, control: ControlSettin
     :param is_task: whether the object is brought to its goal by many pushes.
     """
     found: list[UnusedSettings] = []
-    told: set[str] = set()
+    listed: set[str] = set()
     for names, reason in _reasons(obj, robot, control, is_task=is_task):
-        unused = tuple(name for name in names if name not in told
+        unused = tuple(name for name in names if name not in listed
                        and getattr(control, name) != DEFAULTS[name])
         if unused:
             found.append(UnusedSettings(unused, reason))
-            told.update(unused)
+            listed.update(unused)
     return found
 
 
