@@ -148,13 +148,21 @@ class ProgressMonitor:
         self._inspections = 0
         self._last_failure = failure or self._last_failure
 
-    def count_finished_push(self, plan: PushTrajectory, object_pose: Pose) -> None:
+    def count_finished_push(self, plan: PushTrajectory, object_pose: Pose,
+                            goal: Pose | None = None) -> None:
         """
         Count a push that has ended well.
 
+        One that has brought the object nearer to its goal is progress, before the object is
+        averaged: a stop on the way from there is the first one.
+
         :param plan: its ``PushTrajectory``.
         :param object_pose: ``Pose`` of the object after it.
+        :param goal: goal ``Pose``; None where it was given up meanwhile.
         """
+        if goal is not None and self._relative_error(object_pose, goal) < (
+                self.settings.improvement_ratio * self._least_error):
+            self._safety_stops = 0
         if plan.style is PushStyle.WAYPOINT and _is_at_end(plan, object_pose):
             self.count_waypoint()
         else:
@@ -288,8 +296,7 @@ class ProgressMonitor:
         settings, pose = self.settings, object_at_rest.pose
         position_error = distance(pose, goal)
         heading_error = abs(wrap_angle(pose.theta - goal.theta))
-        error = max(position_error / settings.position_tolerance,
-                    heading_error / settings.heading_tolerance)
+        error = self._relative_error(pose, goal)
         sigmas = settings.confidence_sigmas
         if object_at_rest.is_biased:
             sigmas = min(BIASED_SIGMAS, sigmas)
@@ -307,6 +314,12 @@ class ProgressMonitor:
                 and heading_error <= self.aim[1]):
             return GoalCheck.UNSEEN
         return GoalCheck.MISSED
+
+    def _relative_error(self, pose: Pose, goal: Pose) -> float:
+        """Return the error of an object over its tolerance."""
+        settings = self.settings
+        return max(distance(pose, goal) / settings.position_tolerance,
+                   abs(wrap_angle(pose.theta - goal.theta)) / settings.heading_tolerance)
 
     def averaging_report(self, object_at_rest: ObjectAtRest) -> Report[TaskEvent] | None:
         """Report what averaging waits for; None where it does not take long."""

@@ -276,7 +276,9 @@ class TaskExecution:
         """Find the state after a behaviour that has ended well."""
         next_state = self._transitions.success
         if self.state is TaskState.PUSH and not next_state.is_final and self._plan is not None:
-            self._progress.count_finished_push(self._plan, self._perception.object_pose.pose)
+            goal = None if self._goal is None else self._goal.pose
+            self._progress.count_finished_push(self._plan, self._perception.object_pose.pose,
+                                               goal)
         if next_state is TaskState.ALIGN and self._is_straight:
             # Such a push finds the contact by itself, without a stop before it.
             return TaskState.PUSH

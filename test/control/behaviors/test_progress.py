@@ -97,6 +97,18 @@ def test_stops_by_the_safety_layer_count_from_the_last_progress():
     assert monitor.count_safety_stop()
 
 
+@pytest.mark.parametrize('error, is_progress', [(0.2, True), (0.49, False), (0.6, False)])
+def test_a_push_that_brings_the_object_nearer_is_progress_at_once(error, is_progress):
+    """Stops before it do not count for the way from there, where the object was not averaged."""
+    monitor = ProgressMonitor(SUPERVISION, AIM)
+    monitor.check_goal(beside_goal(0.5), GOAL)
+    for _ in range(MAX_SAFETY_STOPS - 1):
+        assert not monitor.count_safety_stop()
+    plan = straight_push(box(), Pose(-0.37, 0.0, 0.0), 0.1)
+    monitor.count_finished_push(plan, beside_goal(error).pose, GOAL)
+    assert monitor.count_safety_stop() != is_progress
+
+
 def test_pushes_to_waypoints_as_planned_are_no_failures():
     """A long detour of them is neither aborted nor planned with more caution; a circle is."""
     monitor = ProgressMonitor(SUPERVISION, AIM)
