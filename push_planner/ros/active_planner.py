@@ -14,6 +14,7 @@ from push_model.plan_request import PlanFailure, PlanRequest, RequestKind
 from push_model.signals import ObjectPose, Odometry, STOP
 from push_planner.problem import check_solver, PlanningFailed
 from push_planner.ros.parameters import PlannerParameters
+from push_planner.ros.requested_object import OverruledParameters
 from push_planner.ros.task_requests import TaskRequestHandler
 from push_ros.conversions.map import map_text
 from push_ros.conversions.measurements import from_object_pose_message, from_odometry_message
@@ -75,6 +76,7 @@ class ActivePlanner:
         self._plans = node.publisher('push_plan')
         self._paths = node.publisher('planned_path')
         self._tasks = TaskRequestHandler(parameters, self._frame)
+        self._overruled = OverruledParameters(parameters.object)
         # They run while something is waited for.
         self._timer = self._make_timer(WAIT_PERIOD, self._plan_when_possible)
         self._map_timer = self._make_timer(MAP_PERIOD, self._take_map)
@@ -209,6 +211,9 @@ class ActivePlanner:
             self._report(ERROR, str(error), {FAILURE: PlanFailure.INVALID_REQUEST.name})
             return
         self._node.get_logger().debug(f'plans to the goal {request.goal}')
+        overruled = self._overruled.note(request.obj)
+        if overruled:
+            self._node.reporter.log(WARN, overruled)
         if request.kind is RequestKind.TASK_PUSH:
             self._stop_listening()
         self._last_request = request

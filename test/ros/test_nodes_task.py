@@ -509,8 +509,12 @@ def test_a_request_is_answered_with_the_next_push(planner):
                                    for text in texts(planner, PLANNER)))
 
 
-def test_another_object_is_pushed_where_the_request_brings_it(planner):
-    """Whatever the parameters of the planner: the robot touches the larger object further out."""
+def test_another_object_is_pushed_where_the_request_brings_it(planner, tmp_path_factory):
+    """
+    Whatever the parameters of the planner: the robot touches the larger object further out.
+
+    Those that have no effect then are named in the log, once.
+    """
     carton = read_object(config_file('objects/carton.yaml'))
     for number, (obj, other) in enumerate(((SCENARIO.object, carton), (carton, SCENARIO.object))):
         answer = answered(planner, to_request_message(PlanRequest(
@@ -520,6 +524,10 @@ def test_another_object_is_pushed_where_the_request_brings_it(planner):
         gaps = [find_contact(one, Pose(0.0, 0.0, 0.0), start[:2], SCENARIO.robot.radius).gap
                 for one in (obj, other)]
         assert abs(gaps[0]) < 1e-3 and abs(gaps[1]) > 0.02
+    log = tmp_path_factory.getbasetemp() / 'chain0' / f'{PLANNER}.log'
+    notes = [line for line in log.read_text().splitlines()
+             if 'without effect, as the request brings another object' in line]
+    assert len(notes) == 1 and 'object.mass' in notes[0] and 'object.outline' in notes[0]
 
 
 @pytest.mark.parametrize('spoil, text', [
