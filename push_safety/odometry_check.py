@@ -23,9 +23,10 @@ from push_model.parameters import RoundRobot
 from push_model.signals import Odometry, STOP, Twist
 from push_safety.status import SafetyReason, SafetyReport
 from push_safety.tolerances import (
-    ABSOLUTE_JUMP_DISTANCE, ABSOLUTE_JUMP_ROTATION, CATCH_UP_RATIO, DIRECTION_DISTANCE,
-    DIRECTION_PATH, DIRECTION_RATIO, EARLY_DISTANCE, EARLY_RATIOS, LATERAL_RATIO,
-    MAX_ODOMETRY_STEP, MAX_ROUNDING, ODOMETRY_JUMP_DISTANCE, ODOMETRY_JUMP_RATIO,
+    ABSOLUTE_JUMP_DISTANCE, ABSOLUTE_JUMP_ROTATION, ABSOLUTE_JUMP_SIGMAS, CATCH_UP_RATIO,
+    CORRECTION_PERIOD, DIRECTION_DISTANCE, DIRECTION_PATH, DIRECTION_RATIO, EARLY_DISTANCE,
+    EARLY_RATIOS, LATERAL_RATIO, MAX_ODOMETRY_STEP, MAX_ROUNDING, MIN_CORRECTION_DISTANCE,
+    MIN_CORRECTION_ROTATION, ODOMETRY_JUMP_DISTANCE, ODOMETRY_JUMP_RATIO,
     ODOMETRY_JUMP_ROTATION, REPETITION_RATIO, REPETITION_TIME, WINDOW_DISTANCE, WINDOW_RATIO,
     WINDOW_ROTATION, WINDOW_TIME)
 
@@ -130,6 +131,8 @@ class OdometryCheck:
         # Rows of the sliding window of time, and of that of distance.
         self._window: deque[FloatArray] = deque()
         self._course: deque[FloatArray] = deque()
+        # Time of the last correction of a pose in the world [s].
+        self._corrected_at = -math.inf
         # Time at which the present pose came first [s].
         self._pose_since = 0.0
         # Step of the pose when it last changed [m], [rad], no more than the coarsest.
@@ -192,7 +195,12 @@ class OdometryCheck:
             return None
         row = row_of(odometry)
         duration = odometry.time - last.time
-        fault = self._check_step(continue_row(self._window[-1], row), duration)
+        step = continue_row(self._window[-1], row)
+        if self._is_correction(step, odometry):
+            self._corrected_at = odometry.time
+            self.restart(odometry)
+            return None
+        fault = self._check_step(step, duration)
         late, is_continuous = self._late, self._is_continuous
         self._late, self._is_continuous = None, True
         if late is not None and fault is not None and is_continuous:
@@ -261,6 +269,18 @@ class OdometryCheck:
             return None
         return SafetyReason.ODOMETRY_JUMPED.report(distance=offset,
                                                    rotation=math.degrees(rotation))
+
+    def _is_correction(self, step: Motions, odometry: Odometry) -> bool:
+        """Tell whether a pose in the world has corrected itself, as far as it states to err."""
+        covariance = odometry.covariance
+        if not self._is_absolute or covariance is None:
+            return False
+        offset, rotation = step[:2]
+        if offset <= MIN_CORRECTION_DISTANCE and rotation <= MIN_CORRECTION_ROTATION:
+            return False
+        return (odometry.time - self._corrected_at >= CORRECTION_PERIOD
+                and offset <= ABSOLUTE_JUMP_SIGMAS * covariance.position_deviation
+                and rotation <= ABSOLUTE_JUMP_SIGMAS * covariance.heading_deviation)
 
     def _explains(self, moved: Pose) -> bool:
         """Tell whether the commands since odometry last changed may have moved the robot so."""

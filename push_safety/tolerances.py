@@ -50,6 +50,14 @@ ODOMETRY_JUMP_RATIO = 1.0
 # The constant part where the pose is absolute [m], [rad]: a correction of a map's localization.
 ABSOLUTE_JUMP_DISTANCE = 0.15
 ABSOLUTE_JUMP_ROTATION = 0.2
+# The same over the standard deviations that the pose states: two independent errors, four
+# standard deviations of their difference.
+ABSOLUTE_JUMP_SIGMAS = 6.0
+# Least step of an absolute pose that is such a correction [m], [rad], and the time in which only
+# one of them is excused [s]: a twist that is wrong shows at every step.
+MIN_CORRECTION_DISTANCE = 0.01
+MIN_CORRECTION_ROTATION = 0.02
+CORRECTION_PERIOD = 1.0
 # A step longer than this may begin and end at any velocity [s]: some lost messages.
 MAX_ODOMETRY_STEP = 0.25
 # What odometry that had stood still may have moved over what was commanded meanwhile: the robot

@@ -28,11 +28,14 @@ def eyes_table(pairs: Sequence[Pair], part: str) -> str:
         falls_short = 100.0 * group.successes < eyes.success_aim * count
         rows.append((
             group.name, count, f'**{success}**' if falls_short else success,
-            f'{eyes.success_aim:g} %', claims, group.falsely_done, _errors(group),
+            f'{eyes.success_aim:g} %', claims, group.as_stated, group.falsely_done,
+            _errors(group), _stated(group),
             _ratio(group, eyes.time_aim), '-' if eyes.time_aim is None else f'{eyes.time_aim:g}',
             spread(group.values('duration'), '.0f'), spread(group.values('pushes'), '.0f')))
-    return table(['poses', 'tasks', 'done and true', 'aim', 'says done', 'says done and is not',
-                  'mm; deg, median, of those that say done', 'time over always seen, median',
+    return table(['poses', 'tasks', 'done within the tolerances', 'aim', 'says done',
+                  'within what it states', 'says done and is neither',
+                  'mm; deg, median, of those that say done', 'stated, median',
+                  'time over always seen, median',
                   'aim', 's median, p95', 'pushes median, p95'], rows)
 
 
@@ -49,6 +52,15 @@ def _errors(group: Group) -> str:
         return '-'
     position, heading = np.median(errors, axis=0)
     return f'{position:.0f}; {heading:.1f}'
+
+
+def _stated(group: Group) -> str:
+    """Write the medians of the standard deviations that are stated."""
+    position = group.values('stated_position', successful=False)
+    if not len(position):
+        return '-'
+    heading = group.values('stated_heading', successful=False)
+    return f'{1e3 * np.median(position):.0f}; {np.degrees(np.median(heading)):.1f}'
 
 
 def _ratio(group: Group, aim: float | None) -> str:

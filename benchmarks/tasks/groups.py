@@ -33,6 +33,11 @@ class Group(NamedTuple):
         """Number of those that were reported as done, and were not."""
         return sum(is_falsely_done(record) for _, record in self.tasks)
 
+    @property
+    def as_stated(self) -> int:
+        """Number of those that are done within what they state, or within the tolerances."""
+        return sum(is_as_stated(record) for _, record in self.tasks)
+
     def values(self, name: str, successful: bool = True) -> FloatArray:
         """
         Gather a figure.
@@ -122,11 +127,21 @@ def with_informed_times(pairs: Sequence[Pair]) -> list[Pair]:
 
 def is_falsely_done(record: Record) -> bool:
     """
-    Tell whether a task was reported as done, and was not.
+    Tell whether a task was reported as done, and was not, by what the report states either.
 
     :param record: of the task.
     """
-    return record['outcome'] == 'done' and not record['success']
+    return record['outcome'] == 'done' and not is_as_stated(record)
+
+
+def is_as_stated(record: Record) -> bool:
+    """
+    Tell whether a task is done within its tolerances, or within those and what it states.
+
+    :param record: of the task.
+    """
+    return record['outcome'] == 'done' and (
+        record['success'] or record.get('is_as_stated', False))
 
 
 def faults_of(_: Job, record: Record) -> list[str]:

@@ -25,6 +25,9 @@ from push_sim_node.tape import Tape
 
 # Least gap between robot and object at the end of a task that counts as success [m].
 MIN_GAP = 0.02
+# Standard deviations that a task states as it is done by which its true errors may exceed the
+# tolerances; chosen: 95 % of the errors of one axis are within them.
+STATED_SIGMAS = 2.0
 TIMED_STATES = (TaskState.PLAN, TaskState.APPROACH, TaskState.ALIGN, TaskState.PUSH,
                 TaskState.RETREAT)
 
@@ -78,6 +81,7 @@ def run(job: Job) -> Record:
         'pushes': result.status.pushes, 'recoveries': result.status.recoveries,
         'planning': ' '.join(f'{value:.4f}' for value in clock.planning), 'cpu': cpu,
         **_end(result, case.tolerance), **weight_record(result),
+        **_stated(result, result.status, case.tolerance),
         **state_times(result.status, result.duration)}
     corrections = correcting_pushes(result.status.history, result.duration, _tape(result),
                                     case.scenario.final_goal)
@@ -138,6 +142,17 @@ def _end(result: RunResult, tolerance: Tolerance) -> Record:
             'distance': float(distance_travelled(tape)[-1]),
             'success': bool(result.outcome is Outcome.DONE and there and still
                             and last['gap'] >= MIN_GAP)}
+
+
+def _stated(result: RunResult, status: SupervisorStatus, tolerance: Tolerance) -> Record:
+    """Gather what a task that is done states of its errors, and whether that is true."""
+    stated = status.goal_deviation
+    if stated is None or result.outcome is not Outcome.DONE:
+        return {}
+    is_true = (abs(result.position_error) <= tolerance.position + STATED_SIGMAS * stated.position
+               and abs(result.heading_error) <= tolerance.heading + STATED_SIGMAS * stated.heading)
+    return {'stated_position': stated.position, 'stated_heading': stated.heading,
+            'is_as_stated': is_true}
 
 
 def state_times(status: SupervisorStatus, duration: float) -> Record:

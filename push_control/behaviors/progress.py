@@ -45,6 +45,9 @@ RETRY_TIME = 1.0
 # Time after which the robot reports that the object does not come to rest, and after which it
 # gives up [s]; chosen: longer than poses are averaged, and than somebody carries the object about.
 REST_REPORT_TIME = 3.0
+# Part of the tolerances within which an object counts as at its goal where its place in the map is
+# uncertain for as long as it is averaged; chosen: the rest is for that.
+MAP_AIM = 0.8
 REST_TIME_LIMIT = 60.0
 
 
@@ -309,6 +312,9 @@ class ProgressMonitor:
                       or heading_error > settings.heading_tolerance + heading_margin)
         if not (is_certain or object_at_rest.is_biased or self._is_averaged(object_at_rest)):
             return GoalCheck.UNCERTAIN
+        if (object_at_rest.is_in_map and position_error <= MAP_AIM * settings.position_tolerance
+                and heading_error <= MAP_AIM * settings.heading_tolerance):
+            return GoalCheck.REACHED
         self._note_progress(error, remaining_time)
         if (object_at_rest.is_biased and position_error <= self.aim[0]
                 and heading_error <= self.aim[1]):
@@ -336,7 +342,8 @@ class ProgressMonitor:
         settings, duration = self.settings, object_at_rest.duration
         if duration < settings.max_averaging_time:
             return False
-        return (settings.is_precise(object_at_rest.position_error, object_at_rest.heading_error)
+        errors = object_at_rest.position_error, object_at_rest.heading_error
+        return (object_at_rest.is_in_map or settings.is_precise(*errors)
                 or duration >= settings.averaging_time_limit)
 
     def _note_progress(self, error: float, remaining_time: float | None) -> None:

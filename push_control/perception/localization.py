@@ -6,8 +6,8 @@ from push_control.events import PerceptionEvent
 from push_control.perception.ensemble.contact_hypotheses import ContactHypotheses
 from push_control.perception.ensemble.ensemble_state import OdometryNoise
 from push_control.perception.ensemble.push_ensemble import PushEnsemble
+from push_control.perception.map_corrections import has_lasting_errors, MapCorrections
 from push_control.perception.odometry_shift import OdometryShift
-from push_control.perception.view import View
 from push_control.settings import ControlSettings
 from push_control.supervision_settings import SupervisionSettings
 from push_model.contact import find_contact, NearestContact
@@ -33,15 +33,16 @@ class Localization(ContactHypotheses):
         :param control: ``ControlSettings``, for the noise of object poses.
         :param supervision: ``SupervisionSettings``, for the noise of odometry.
         """
-        super().__init__(PushEnsemble(
-            obj, robot, control, _odometry_noise(supervision),
-            has_limited_view=View.from_settings(supervision).is_limited))
+        super().__init__(PushEnsemble(obj, robot, control, _odometry_noise(supervision)))
         self._control = control
         self._supervision = supervision
         # The newest odometry that has come here, and whether the pose of the next one has jumped.
         self._received: Odometry | None = None
         self._has_jumped = False
         self._odometry_shift = OdometryShift(robot.max_acceleration)
+        self._corrections = MapCorrections()
+        # Covariance of the errors of the newest odometry over what it states.
+        self._error_growth = 1.0
 
     # Odometry.
 
@@ -55,6 +56,12 @@ class Localization(ContactHypotheses):
         """Whether odometry measures the robot in the world, so that its place does not drift."""
         return (self._received is not None
                 and self._supervision.believed_covariance(self._received) is not None)
+
+    @property
+    def is_robot_in_map(self) -> bool:
+        """Whether odometry measures the robot with errors that stay, as localization in a map."""
+        return self._received is not None and has_lasting_errors(
+            self._supervision.believed_covariance(self._received))
 
     @property
     def is_robot_elsewhere(self) -> bool:
@@ -90,15 +97,26 @@ class Localization(ContactHypotheses):
             return None
         self._received = odometry
         if previous is None:
-            self.predict(odometry)
+            self._start_at(odometry)
             return None
         step = previous.pose.inverse() @ odometry.pose
+        covariance = self._supervision.believed_covariance(odometry)
         if self._has_jumped:
             self._has_jumped = False
             step = integrated_step(previous, odometry)
             self._odometry_shift.add(previous, odometry, step)
+        elif covariance is not None and has_lasting_errors(covariance):
+            step, self._error_growth = self._corrections.step(previous, odometry, covariance)
         self.predict(odometry, step)
         return step
+
+    def _start_at(self, odometry: Odometry) -> None:
+        """Start where odometry has the robot, as well as it is localized."""
+        self.predict(odometry)
+        covariance = self._supervision.believed_covariance(odometry)
+        if covariance is not None and has_lasting_errors(covariance):
+            self.inflate_covariance(covariance.position_deviation, covariance.heading_deviation)
+            self._error_growth = math.inf
 
     def correct_by(self, odometry: Odometry) -> None:
         """
@@ -107,8 +125,8 @@ class Localization(ContactHypotheses):
         :param odometry: ``Odometry``, finite; changes nothing where it drifts.
         """
         covariance = self._supervision.believed_covariance(odometry)
-        if covariance is not None:
-            self.update_robot(odometry.pose, covariance.matrix)
+        if covariance is not None and self._error_growth < math.inf:
+            self.update_robot(odometry.pose, self._error_growth * covariance.matrix)
 
     def set_jumped(self, has_jumped: bool) -> None:
         """

@@ -46,6 +46,8 @@ class ObjectAtRest(NamedTuple):
     :param heading_error: standard error of the heading [rad].
     :param is_biased: whether these are mostly errors that further poses from the same side do not
         reduce.
+    :param is_in_map: whether these are mostly errors of the robot's place in a map, which
+        further poses do not reduce.
     """
 
     pose: Pose
@@ -53,6 +55,7 @@ class ObjectAtRest(NamedTuple):
     position_error: float
     heading_error: float
     is_biased: bool = False
+    is_in_map: bool = False
 
 
 class _Sample(NamedTuple):

@@ -350,20 +350,23 @@ class TaskPerception(RawPerception):
         average = average._replace(pose=self.localization.object_pose)
         if not self.is_robot_measured:
             return average
-        x, y, heading = self.localization.object_deviations.tolist()
+        localization = self.localization
+        x, y, heading = localization.object_deviations.tolist()
         return average._replace(position_error=max(average.position_error, x, y),
-                                heading_error=max(average.heading_error, heading))
+                                heading_error=max(average.heading_error, heading),
+                                is_in_map=localization.is_robot_in_map)
 
     @property
     def goal_deviation(self) -> PoseDeviation | None:
         """
         ``PoseDeviation`` of the object in the frame of its goal; None where tolerances bound it.
 
-        With poses that are relative to a robot whose odometry drifts the place of the goal drifts,
-        however well the object is seen.
+        With poses that are relative to a robot the place of the goal errs as that of the robot
+        does, however well the object is seen: it drifts with odometry, or is that of a map.
         """
         localization = self.localization
-        if not localization.is_relative or self.is_robot_measured:
+        is_known = self.is_robot_measured and not localization.is_robot_in_map
+        if not localization.is_relative or is_known:
             return None
         x, y, heading = localization.object_deviations.tolist()
         return PoseDeviation(max(x, y), heading)

@@ -193,16 +193,18 @@ def test_who_says_done_too_early_or_is_slow_stands_out_in_the_table_of_eyes():
     """Rates, false claims and ratios of times are those of the records."""
     name = list(EYES)[0]
     made = [({'part': OWN_EYES, 'kind': KINDS[OWN_EYES][0], 'seed': STRIDE * number},
-             {'variety': name, 'success': number > 0, 'outcome': 'done', 'duration': 45.0,
-              'position_error': 0.02, 'heading_error': 0.01, 'pushes': 3})
+             {'variety': name, 'success': number > 1, 'outcome': 'done', 'duration': 45.0,
+              'position_error': 0.02, 'heading_error': 0.01, 'pushes': 3,
+              'stated_position': 0.006, 'stated_heading': 0.01, 'is_as_stated': number == 1})
             for number in range(4)]
     made += [({**job, 'base': ALWAYS_SEEN},
               {**record, 'variety': ALWAYS_SEEN, 'success': True, 'duration': 30.0})
              for job, record in made]
     head, _, row = eyes_table(made, OWN_EYES).splitlines()
     cells = dict(zip(head.split(' | '), row.split(' | ')))
-    assert cells['done and true'].startswith('**3 of 4') and cells['says done'] == '4'
-    assert cells['says done and is not'] == '1'
+    assert cells['done within the tolerances'].startswith('**2 of 4')
+    assert cells['says done'] == '4' and cells['within what it states'] == '3'
+    assert cells['says done and is neither'] == '1' and cells['stated, median'] == '6; 0.6'
     assert cells['time over always seen, median'] == '**1.50**'
     assert cells['mm; deg, median, of those that say done'] == '20; 0.6'
 

@@ -7,10 +7,10 @@ import math
 from helpers.push_problems import HOLONOMIC
 import numpy as np
 from push_model.geometry import distance, Pose, wrap_angle
-from push_model.signals import Odometry, Twist
+from push_model.signals import Odometry, PoseCovariance, Twist
 from push_safety.odometry_check import OdometryCheck
 from push_safety.status import SafetyReason, SafetyReport
-from push_safety.tolerances import DIRECTION_PATH, ODOMETRY_JUMP_DISTANCE
+from push_safety.tolerances import CORRECTION_PERIOD, DIRECTION_PATH, ODOMETRY_JUMP_DISTANCE
 import pytest
 
 ROBOT = dataclasses.replace(HOLONOMIC, max_speed=0.4, max_yaw_rate=1.5)
@@ -165,3 +165,39 @@ def test_a_pose_that_repeats_itself_while_the_robot_drives_is_frozen(seed: int) 
         assert fault is not None and fault[1].code.is_of_odometry
         late = right.messages[fault[0]].time - right.messages[at].time
         assert late <= max(0.15, 3.0 * right.period) + 1.01 * right.period
+
+
+def corrected(first: int, second: int, jump: float, std: float | None) -> Spoiler:
+    """Return corrections of a map, one to the left and one back, with a stated deviation."""
+    covariance = None if std is None else PoseCovariance.from_deviations(std, std)
+
+    def spoil(index: int, message: Odometry) -> Odometry:
+        x, y, theta = message.pose
+        offset = jump if first <= index < second else 0.0
+        return message._replace(pose=Pose(x, y + offset, theta), covariance=covariance)
+    return spoil
+
+
+@pytest.mark.parametrize('seed', range(10))
+def test_a_correction_of_a_map_is_a_fault_only_beyond_what_is_stated(seed: int) -> None:
+    """Where the pose is measured in the world; the twist of a drive goes on as before."""
+    right = drive(seed, min_speed=0.05)
+    first = round(3.0 / right.period)
+    second = first + math.ceil(1.5 * CORRECTION_PERIOD / right.period)
+    small = corrected(first, second, 0.2, 0.05)
+    assert right.first_fault(small, is_absolute=True) is None
+    for spoil, is_absolute in ((small, False), (corrected(first, second, 0.4, 0.05), True),
+                               (corrected(first, second, 0.3, None), True)):
+        found = right.first_fault(spoil, is_absolute=is_absolute)
+        assert found is not None and found[0] == first
+        assert found[1].code is SafetyReason.ODOMETRY_JUMPED
+
+
+@pytest.mark.parametrize('seed', range(10))
+def test_a_twist_that_is_missing_is_no_correction_of_a_map(seed: int) -> None:
+    """However large an error is stated: it shows at every step, and corrections are rare."""
+    right = drive(seed, min_speed=0.15)
+    covariance = PoseCovariance.from_deviations(0.07, 0.04)
+    found = right.first_fault(lambda _, message: message._replace(
+        twist=Twist(0.0, 0.0, 0.0), covariance=covariance), is_absolute=True)
+    assert found is not None and found[0] * right.period < 3.0 * CORRECTION_PERIOD

@@ -54,18 +54,15 @@ _MOTION = list(range(3, 9)) + list(range(15, 18))
 class MeasurementUpdate:
     """Corrects the members of an ensemble by measurements."""
 
-    def __init__(self, state: EnsembleState, settings: ControlSettings, *,
-                 has_limited_view: bool) -> None:
+    def __init__(self, state: EnsembleState, settings: ControlSettings) -> None:
         """
         Start before the first measurement.
 
         :param state: the ``EnsembleState`` to correct.
         :param settings: ``ControlSettings``, for the noise of object poses.
-        :param has_limited_view: whether the object is pushed without being seen, too.
         """
         self._state = state
         self._settings = settings
-        self._has_limited_view = has_limited_view
 
     def has_unseen_contact(self, time: float) -> bool:
         """
@@ -74,7 +71,7 @@ class MeasurementUpdate:
         :param time: now [s].
         """
         state = self._state
-        if not self._has_limited_view or state.pose_time is None:
+        if state.pose_time is None:
             return False
         return state.last_contact > state.pose_time or time < state.coupled_until
 
@@ -135,8 +132,7 @@ class MeasurementUpdate:
 
     def _ends_unseen_contact(self, previous_time: float, time: float) -> bool:
         """Tell whether a pose is the first one after a contact that nobody has seen."""
-        return (self._has_limited_view and time - previous_time > COUPLING_TIME
-                and self._state.last_contact > previous_time)
+        return time - previous_time > COUPLING_TIME and self._state.last_contact > previous_time
 
     def _expected(self, time: float, *, is_relative: bool) -> FloatArray:
         """Return the object poses that the members expect to be measured, shape (n, 3)."""

@@ -4,7 +4,7 @@ import numpy as np
 from push_model.geometry import FloatArray
 
 # Time for which previous poses are kept [s]; chosen: longer than object poses are late.
-HISTORY_TIME = 0.4
+HISTORY_TIME = 1.5
 # Initial capacity [poses]; chosen: of odometry with 50 Hz, each moved once.
 INITIAL_CAPACITY = 64
 

@@ -35,14 +35,12 @@ class PushEnsemble(EnsembleReading):
     """Estimates poses of robot and object, errors of odometry, and friction."""
 
     def __init__(self, obj: PushedObject, robot: RoundRobot, control: ControlSettings,
-                 odometry_noise: OdometryNoise, seed: int = 0, *,
-                 has_limited_view: bool = False) -> None:
+                 odometry_noise: OdometryNoise, seed: int = 0) -> None:
         """
         Start without poses; the first measurements give them.
 
         :param control: ``ControlSettings``, for the noise of object poses.
         :param seed: of the random samples of the members.
-        :param has_limited_view: whether the object is pushed without being seen, too.
         """
         # The bias has a generator of its own: nothing else depends on whether there is one.
         bias = PoseBias(control.pose_bias, control.heading_bias, MEMBER_COUNT,
@@ -50,8 +48,7 @@ class PushEnsemble(EnsembleReading):
         super().__init__(EnsembleState(Members(obj, robot, MEMBER_COUNT), bias, odometry_noise,
                                        np.random.default_rng(seed)))
         self._prediction = Prediction(self._state)
-        self._measurement_update = MeasurementUpdate(self._state, control,
-                                                     has_limited_view=has_limited_view)
+        self._measurement_update = MeasurementUpdate(self._state, control)
 
     @property
     def log_likelihood(self) -> float:

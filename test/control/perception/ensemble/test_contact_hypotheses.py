@@ -148,10 +148,9 @@ def test_an_object_that_was_never_seen_forks_nothing() -> None:
     assert not hypotheses.is_undecided
 
 
-def after_unseen_push(friction: float, has_limited_view: bool) -> ContactHypotheses:
+def after_unseen_push(friction: float) -> ContactHypotheses:
     """Return hypotheses of a push and of the way back, of which nothing is seen."""
-    hypotheses = ContactHypotheses(PushEnsemble(STATED, ROBOT, CONTROL, NOISE,
-                                                has_limited_view=has_limited_view))
+    hypotheses = ContactHypotheses(PushEnsemble(STATED, ROBOT, CONTROL, NOISE))
     for index, measured in enumerate(recorded(friction)):
         if index < 2 or isinstance(measured, Odometry):
             take(hypotheses, measured)
@@ -172,7 +171,7 @@ def look(hypotheses: ContactHypotheses, friction: float, count: int) -> None:
 def test_a_contact_that_nobody_has_seen_is_decided_by_the_look_after_it(
         friction: float, is_slippery: bool) -> None:
     """Until then both hypotheses go on, however long that takes."""
-    hypotheses = after_unseen_push(friction, has_limited_view=True)
+    hypotheses = after_unseen_push(friction)
     assert hypotheses.is_undecided
     look(hypotheses, friction, math.ceil(COUPLING_TIME / 0.05) + 2)
     assert not hypotheses.is_undecided
@@ -181,18 +180,13 @@ def test_a_contact_that_nobody_has_seen_is_decided_by_the_look_after_it(
 
 
 def test_the_first_look_after_a_contact_tells_of_robot_and_friction() -> None:
-    """Later ones tell of the object alone, as does every pose where the object is always seen."""
-    for has_limited_view in (True, False):
-        hypotheses = after_unseen_push(NOMINAL, has_limited_view)
-        before = hypotheses.members.parameters.copy(), hypotheses.standard_deviations.copy()
-        look(hypotheses, NOMINAL, 4)
-        changes = not np.array_equal(before[0], hypotheses.members.parameters)
-        assert changes is has_limited_view
-        if not has_limited_view:
-            assert np.array_equal(before[1], hypotheses.standard_deviations)
-            continue
-        assert hypotheses.standard_deviations[0] < before[1][0]
-        look(hypotheses, NOMINAL, 20)
-        learned = hypotheses.members.parameters.copy()
-        look(hypotheses, NOMINAL, 22)
-        assert np.array_equal(hypotheses.members.parameters, learned)
+    """Later ones tell of the object alone, as does every pose of an object at rest."""
+    hypotheses = after_unseen_push(NOMINAL)
+    before = hypotheses.members.parameters.copy(), hypotheses.standard_deviations.copy()
+    look(hypotheses, NOMINAL, 4)
+    assert not np.array_equal(before[0], hypotheses.members.parameters)
+    assert hypotheses.standard_deviations[0] < before[1][0]
+    look(hypotheses, NOMINAL, 20)
+    learned = hypotheses.members.parameters.copy()
+    look(hypotheses, NOMINAL, 22)
+    assert np.array_equal(hypotheses.members.parameters, learned)

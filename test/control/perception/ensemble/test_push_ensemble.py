@@ -207,9 +207,9 @@ def test_late_poses_of_an_object_at_rest_tell_the_same(latency):
     for delay in (0.0, latency):
         ensemble = PushEnsemble(box(), ROBOT, CONTROL, NO_NOISE)
         ensemble.update(ObjectPose(-1.0, HOME))
-        for k in range(120):
+        for k in range(240):
             time = 0.01 * k
-            ensemble.predict(Odometry(time, AWAY @ Pose(0.002 * k, 0.0, 0.0), STOP))
+            ensemble.predict(Odometry(time, AWAY @ Pose(0.001 * k, 0.0, 0.0), STOP))
             for pose in measured:
                 if pose.time + delay <= time + 1e-9 < pose.time + delay + 0.01:
                     ensemble.update(pose)
