@@ -12,6 +12,7 @@ import math
 from typing import Protocol
 
 from push_base.base_identifier import BaseIdentifier
+from push_base.command_ramp import CommandRamp
 from push_base.command_shaper import CommandShaper
 from push_model.base_knowledge import BaseKnowledge
 from push_model.observation import Observation
@@ -79,6 +80,7 @@ class SafetyLayer:
         self._heading_count = heading_count
         self._is_odometry_absolute = is_odometry_absolute
         self._motion_check = MotionCheck(robot)
+        self._ramp = CommandRamp(robot)
         self._shaper = CommandShaper(robot)
         self._identifier = BaseIdentifier(robot)
         # What was known of the base when it last moved.
@@ -112,6 +114,7 @@ class SafetyLayer:
         """Note that the robot is not commanded: others may drive it."""
         self._motion_check.reset()
         self._identifier.forget()
+        self._ramp.reset()
         self._stop.release()
         self._expects_odometry = False
 
@@ -283,7 +286,11 @@ class SafetyLayer:
         if not all(map(math.isfinite, command)):
             self._stop.report = SafetyReason.COMMAND_NOT_FINITE.report(command=tuple(command))
         self._shaper.knowledge = self._identifier.knowledge
-        allowed = STOP if self.report is not None else self._limited(command)
+        if self.report is None:
+            allowed = self._ramp.limit(self._limited(command), self._identifier.knowledge, time)
+        else:
+            allowed = STOP
+            self._ramp.reset()
         # Pulses that are slowed down would not move the base: what is desired is slowed down.
         ratio = self._speed_ratio(time)
         if ratio < 1.0:
