@@ -60,8 +60,7 @@ class Localization(ContactHypotheses):
     @property
     def is_robot_in_map(self) -> bool:
         """Whether odometry measures the robot with errors that stay, as localization in a map."""
-        return self._received is not None and has_lasting_errors(
-            self._supervision.believed_covariance(self._received))
+        return self._state.is_in_map
 
     @property
     def is_robot_elsewhere(self) -> bool:
@@ -101,11 +100,13 @@ class Localization(ContactHypotheses):
             return None
         step = previous.pose.inverse() @ odometry.pose
         covariance = self._supervision.believed_covariance(odometry)
+        self._error_growth = 1.0
+        self._state.is_in_map = has_lasting_errors(covariance)
         if self._has_jumped:
             self._has_jumped = False
             step = integrated_step(previous, odometry)
             self._odometry_shift.add(previous, odometry, step)
-        elif covariance is not None and has_lasting_errors(covariance):
+        elif covariance is not None and self.is_robot_in_map:
             step, self._error_growth = self._corrections.step(previous, odometry, covariance)
         self.predict(odometry, step)
         return step
@@ -115,6 +116,7 @@ class Localization(ContactHypotheses):
         self.predict(odometry)
         covariance = self._supervision.believed_covariance(odometry)
         if covariance is not None and has_lasting_errors(covariance):
+            self._state.is_in_map = True
             self.inflate_covariance(covariance.position_deviation, covariance.heading_deviation)
             self._error_growth = math.inf
 

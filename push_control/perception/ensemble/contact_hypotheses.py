@@ -155,7 +155,7 @@ class ContactHypotheses(EnsembleReading):
 
     def _fork(self) -> None:
         """Fork a low-friction hypothesis at first contact."""
-        if self._slippery is not None or not self.has_object:
+        if self._slippery is not None or not self.has_object or not self._state.knows_contact:
             return
         nominal = self.members.obj.contact_friction_coefficient
         friction = self.members.parameters[:, -1]

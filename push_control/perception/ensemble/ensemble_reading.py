@@ -8,7 +8,6 @@ from push_control.perception.ensemble.friction_members import (
     friction_centers, FrictionMembers, knowledge_of)
 from push_control.perception.ensemble.members import (
     DRIFT, identified_object, Members, ODOMETRY_ERRORS, SCALE)
-from push_control.perception.ensemble.relation import relative_poses
 from push_control.perception.object_knowledge import ObjectKnowledge
 from push_model.geometry import FloatArray, Pose, wrap_angle
 from push_model.parameters import PushedObject
@@ -82,10 +81,7 @@ class EnsembleReading:
         Where object poses are relative to it: in the frame of the object, which is all that a push
         needs.
         """
-        if not self.is_relative:
-            return self.members.position_deviation
-        relation = relative_poses(self.members.object_poses, self.members.robot_poses)
-        return float(relation[:, :2].std(axis=0).max())
+        return self._state.position_deviation
 
     @property
     def position_uncertainty(self) -> PositionUncertainty:

@@ -13,11 +13,15 @@ from push_control.perception.ensemble.members import (
     CONTACT_FRICTION_STD, DRIFT, Members, ODOMETRY_ERRORS, SCALE, SUPPORT_LOG_STD, YAW_SCALE)
 from push_control.perception.ensemble.pose_bias import PoseBias
 from push_control.perception.ensemble.pose_history import PoseHistory
+from push_control.perception.ensemble.relation import relative_poses
 from push_model.geometry import FloatArray, Pose
 from push_model.signals import Odometry
 
 # Relative error of rotations measured by odometry; chosen: one per cent of the track width.
 YAW_SCALE_STD = 0.01
+# Standard deviation of the robot's position up to which contacts tell of friction [m]; chosen:
+# a robot that has only driven round the object is known better.
+MAX_CONTACT_STD = 0.05
 # Coordinates of a pose.
 POSE = 3
 # Columns of a member's state that are forces.
@@ -64,7 +68,8 @@ class EnsembleState:
     number of object poses in a row that nothing explains. ``log_likelihood``: logarithm of the
     likelihood of all object poses, up to a constant. ``coupled_until``: time up to which object
     poses tell of a contact that nobody has seen [s]. ``is_relative``: whether the newest object
-    pose is relative to the robot.
+    pose is relative to the robot. ``is_in_map``: whether the robot is localized with errors that
+    stay, as in a map.
     """
 
     def __init__(self, members: Members, bias: PoseBias, odometry_noise: OdometryNoise,
@@ -87,6 +92,7 @@ class EnsembleState:
         self.log_likelihood = 0.0
         self.coupled_until = -math.inf
         self.is_relative = False
+        self.is_in_map = False
         self._draw_parameters()
 
     def _draw_parameters(self) -> None:
@@ -99,6 +105,30 @@ class EnsembleState:
         parameters[:, ODOMETRY_ERRORS:-1] = SUPPORT_LOG_STD * samples[:, ODOMETRY_ERRORS:-1]
         parameters[:, -1] *= 1.0 + CONTACT_FRICTION_STD * samples[:, -1]
         members.apply_parameters()
+
+    @property
+    def position_deviation(self) -> float:
+        """
+        Standard deviation of x or y of the robot, the greater one [m].
+
+        Where object poses are relative to it: in the frame of the object, which is all that a push
+        needs.
+        """
+        members = self.members
+        if not self.is_relative:
+            return members.position_deviation
+        relation = relative_poses(members.object_poses, members.robot_poses)
+        return float(relation[:, :2].std(axis=0).max())
+
+    @property
+    def knows_contact(self) -> bool:
+        """
+        Whether the place of the robot is known well enough for a contact to tell of friction.
+
+        In a map members may touch an object that the robot is only near, and that it does not move
+        would mean a contact without friction.
+        """
+        return not self.is_in_map or self.position_deviation <= MAX_CONTACT_STD
 
     def normal(self, shape: tuple[int, int]) -> FloatArray:
         """

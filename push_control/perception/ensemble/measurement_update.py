@@ -106,7 +106,8 @@ class MeasurementUpdate:
         state.outliers = 0
         is_coupled = (state.time_since_contact(measured.time) < COUPLING_TIME
                       or measured.time < state.coupled_until)
-        self._correct(update, is_coupled or state.is_relative, tells_of_friction=is_coupled)
+        self._correct(update, is_coupled or state.is_relative,
+                      tells_of_friction=is_coupled and state.knows_contact)
         self._keep_object_stds()
         return True
 

@@ -10,7 +10,7 @@ from push_control.settings import ControlSettings
 from push_control.supervision_settings import SupervisionSettings
 from push_model.geometry import Pose, wrap_angle
 from push_model.parameters import RoundRobot
-from push_model.signals import Odometry, PoseCovariance, Twist
+from push_model.signals import ObjectPose, Odometry, PoseCovariance, Twist
 from push_sim_node.sensors import OdometrySensor, SensorSettings
 import pytest
 
@@ -91,3 +91,20 @@ def test_a_robot_in_a_map_that_jumps_is_known_as_well_as_it_is():
     normalized, errors = map(np.array, zip(*map(normalized_errors, range(16))))
     assert 0.4 < (normalized ** 2).mean() < 1.6
     assert ((errors ** 2).mean(axis=0) < np.array((STD, STD, HEADING_STD)) ** 2 / 3.0).all()
+
+
+@pytest.mark.parametrize('std, gap, is_learned', [(0.07, 0.05, False), (0.01, -0.01, True)])
+def test_an_object_that_a_robot_may_have_passed_by_is_not_slippery(std, gap, is_learned):
+    """It does not move where some members touch it: that tells of the robot, not of friction."""
+    covariance = PoseCovariance.from_deviations(std, 0.02)
+    robot, obj = RoundRobot(radius=0.17), box()
+    localization = Localization(obj, robot, ControlSettings(),
+                                SupervisionSettings(odometry_reference='absolute'))
+    side = min(y for _, y in obj.outline) - robot.radius - gap
+    frictions = []
+    for i in range(120):
+        pose = Pose(-0.6 + SPEED * PERIOD * i, side, 0.0)
+        localization.move(Odometry(PERIOD * i, pose, Twist(SPEED, 0.0, 0.0), covariance))
+        localization.update(ObjectPose(PERIOD * i, Pose(0.0, 0.0, 0.0)))
+        frictions.append(localization.knowledge.contact_friction)
+    assert (abs(frictions[-1] - frictions[0]) > 0.02 * frictions[0]) is is_learned
