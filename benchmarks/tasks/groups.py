@@ -156,7 +156,7 @@ def faults_of(_: Job, record: Record) -> list[str]:
     found = [f'{body} collides' for body in ('robot', 'object')
              if record.get(f'{body}_clearance', 0.0) < 0.0]
     is_explained = record.get('is_too_heavy') and record.get('called_too_heavy')
-    if record['success'] or is_explained:
+    if record['success'] or is_as_stated(record) or is_explained:
         return found
     if is_falsely_done(record):
         return [*found, FALSELY_DONE]
