@@ -104,7 +104,7 @@ track_command = interpreted(actuation.track_command)
 
 class _Window(NamedTuple):
     """
-    What a wheel or axis was asked for, and did, in a while.
+    Commands and motion of a wheel or axis in a window of time.
 
     :param expected: distance or angle by the commands, at least 0 [m or rad].
     :param measured: the same by odometry, in the same direction.
@@ -121,7 +121,7 @@ class _Window(NamedTuple):
 
     @property
     def is_stuck(self) -> bool:
-        """Whether it has hardly moved although it should have."""
+        """Tell whether it has hardly moved although it should have."""
         return (self.measured < STUCK_RATIO * self.expected
                 and self.covered < COVERED_RATIO * self.expected)
 
@@ -170,14 +170,14 @@ class BaseIdentifier:
         # Of translation and rotation.
         self._accelerations = AccelerationSearch(), AccelerationSearch()
         self._last_change = -math.inf
-        # Least speed or yaw rate by evidence, without what pulses needed besides.
-        self._evidence = [robot.min_speed, robot.min_yaw_rate]
+        # Least speed or yaw rate as measured, without what pulses needed besides.
+        self._measured_min_speeds = [robot.min_speed, robot.min_yaw_rate]
         self.knowledge = BaseKnowledge.stated(robot)
         self.forget()
 
     @property
     def has_dead_time(self) -> bool:
-        """Whether the dead time was identified."""
+        """Tell whether the dead time was identified."""
         return len(self._results) >= ENOUGH_RESULTS
 
     def forget(self) -> None:
@@ -200,14 +200,14 @@ class BaseIdentifier:
         translation, rotation = self._accelerations
         translation.start_from(knowledge.max_acceleration / self._robot.max_acceleration)
         rotation.start_from(knowledge.max_yaw_acceleration / self._robot.max_yaw_acceleration)
-        self._evidence = [knowledge.min_speed, knowledge.min_yaw_rate]
+        self._measured_min_speeds = [knowledge.min_speed, knowledge.min_yaw_rate]
         self.knowledge = self._with_accelerations(knowledge)
 
     def restore(self, knowledge: BaseKnowledge) -> None:
         """Know no more than before: what has come since was of a base that was stopped."""
         self.knowledge = knowledge
-        self._evidence = [min(known, evidence) for known, evidence in zip(
-            (knowledge.min_speed, knowledge.min_yaw_rate), self._evidence)]
+        self._measured_min_speeds = [min(known, measured) for known, measured in zip(
+            (knowledge.min_speed, knowledge.min_yaw_rate), self._measured_min_speeds)]
 
     def add_command(self, command: Twist, time: float) -> None:
         """
@@ -290,10 +290,10 @@ class BaseIdentifier:
                              + SHIFT_STEP * vertex_offset(errors.tolist(), best))
         if not self.has_dead_time:
             return
-        found = statistics.median(self._results)
-        found = found if found >= MIN_DEAD_TIME else 0.0
-        if abs(found - self.knowledge.dead_time) >= MIN_CHANGE:
-            self.knowledge = self.knowledge._replace(dead_time=found)
+        dead_time = statistics.median(self._results)
+        dead_time = dead_time if dead_time >= MIN_DEAD_TIME else 0.0
+        if abs(dead_time - self.knowledge.dead_time) >= MIN_CHANGE:
+            self.knowledge = self.knowledge._replace(dead_time=dead_time)
 
     @property
     def _is_as_stated(self) -> bool:
@@ -382,7 +382,7 @@ class BaseIdentifier:
         is_pulsed = 0.0 < ROUNDING * min(PULSE_RATIO * least, pulse_height) <= top
         is_stuck = all(each.is_stuck for each in windows)
         if is_stuck and not is_pulsed and top <= cap:
-            self._evidence[axis] = max(self._evidence[axis], top)
+            self._measured_min_speeds[axis] = max(self._measured_min_speeds[axis], top)
             self._set(axis, max(least, top))
         elif is_pulsed and time >= self._last_change + CHANGE_PERIOD:
             moved = window.measured / window.expected
@@ -397,7 +397,7 @@ class BaseIdentifier:
     def _floor(self, axis: int) -> float:
         """Return below what a least speed that moves the base does not come down."""
         unit = (1.0, self._half_track)[axis]
-        return min(self._evidence[axis], FREE_QUANTUM / (MARGINS[0] * PULSE * unit))
+        return min(self._measured_min_speeds[axis], FREE_QUANTUM / (MARGINS[0] * PULSE * unit))
 
     def _escalate(self, axis: int, top: float) -> None:
         """
@@ -411,7 +411,7 @@ class BaseIdentifier:
                 pulse=min(MAX_PULSE, LONGER * known.pulse))
             return
         cap = (MAX_LEAST_SPEED, MAX_LEAST_YAW_RATE)[axis]
-        self._evidence[axis] = max(self._evidence[axis], min(cap, top))
+        self._measured_min_speeds[axis] = max(self._measured_min_speeds[axis], min(cap, top))
         self._set(axis, min(cap, max(HIGHER * known[1 + axis], top)))
 
     def _relax(self, axis: int, lower: float) -> None:

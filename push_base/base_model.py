@@ -21,7 +21,7 @@ from push_model.signals import STOP, Twist
 MEMORY = 2.0 * MAX_DEAD_TIME
 
 
-class MotionAhead(NamedTuple):
+class PredictedMotion(NamedTuple):
     """
     Motion within the dead time, which no command can change any more.
 
@@ -73,7 +73,7 @@ class BaseModel:
         return self.dead_time > 0.0 and any(
             command != STOP for _, command in self._pending(time))
 
-    def ahead(self, velocity: Twist, time: float) -> MotionAhead:
+    def predict(self, velocity: Twist, time: float) -> PredictedMotion:
         """
         Predict the motion within the dead time.
 
@@ -82,7 +82,7 @@ class BaseModel:
         """
         x = y = theta = 0.0
         if self.dead_time == 0.0:
-            return MotionAhead(Pose(x, y, theta), velocity)
+            return PredictedMotion(Pose(x, y, theta), velocity)
         for duration, command in self._pending(time):
             decay = -math.expm1(-duration / self._lag) if self._lag > 0.0 else 1.0
             d_x, d_y, rotation = (c * duration + (v - c) * self._lag * decay
@@ -90,7 +90,7 @@ class BaseModel:
             d_x, d_y = Pose(0.0, 0.0, theta + 0.5 * rotation).rotate((d_x, d_y))
             x, y, theta = x + d_x, y + d_y, theta + rotation
             velocity = Twist(*(v + decay * (c - v) for c, v in zip(command, velocity)))
-        return MotionAhead(Pose(x, y, theta), velocity)
+        return PredictedMotion(Pose(x, y, theta), velocity)
 
     def _pending(self, time: float) -> list[tuple[float, Twist]]:
         """List durations and commands that act within the dead time ahead, in order."""

@@ -1,4 +1,4 @@
-"""Whether a robot can push an object, by what is stated of both."""
+"""Check whether a robot can push an object, by what is stated of both."""
 
 from push_model.parameters import PushedObject, RoundRobot
 

@@ -101,7 +101,7 @@ class SpinWatch:
 
     @property
     def is_spinning(self) -> bool:
-        """Whether the object has moved along the push, and does so no more as the wheels turn."""
+        """Tell whether the object moved along the push and has stopped while the wheels turn."""
         if not self._rows:
             return False
         driven, advance = self._rows[-1]
@@ -113,14 +113,14 @@ class SpinWatch:
 
     @property
     def is_creeping(self) -> bool:
-        """Whether an object that was not seen to move has, along the push, by millimetres."""
+        """Tell whether an object that was not seen to move has, along the push, by millimetres."""
         driven, advance = self._mean_row
         return (max(MIN_CREEP, CREEP_SIGMAS * self._deviation) <= advance
                 < MAX_CREEP_RATIO * driven)
 
     @property
     def is_without_effect(self) -> bool:
-        """Whether the object has hardly moved along the push, however far the wheels have."""
+        """Tell whether the object has hardly moved along the push, however far the wheels have."""
         driven, advance = self._mean_row
         return driven >= WITHOUT_EFFECT_DISTANCE and abs(advance) < MAX_CREEP_RATIO * driven
 

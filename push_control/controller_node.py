@@ -98,7 +98,7 @@ class ControllerNode(ManagedNode):
 
     @property
     def is_autostarted(self) -> bool:
-        """Whether the node configures and activates itself."""
+        """Tell whether the node configures and activates itself."""
         return self._options.autostart
 
     @property

@@ -91,7 +91,7 @@ def no_plan(code: PlanFailure, reason: str | AnyReport) -> Report[TaskEvent]:
 
 
 class PerceptionEvent(Cause):
-    """What is out of the ordinary with measurements, over several of them."""
+    """Event in measurements, over several of them."""
 
     # The object does not come to rest.
     NO_POSES_COME = 'the object is not at rest: no poses of it come'

@@ -12,7 +12,7 @@ from push_model.signals import PoseDeviation
 
 
 class PushState(enum.Enum):
-    """What the robot does about a goal; the names are those of the constants of ``PushStatus``."""
+    """State of the pursuit of a goal; the names are those of the constants of ``PushStatus``."""
 
     IDLE = 'idle'
     PLANNING = 'planning'
@@ -27,7 +27,7 @@ class PushState(enum.Enum):
 
 
 class GoalOutcome(enum.Enum):
-    """How the pursuit of a goal ended."""
+    """Outcome of the pursuit of a goal."""
 
     REACHED = 'reached'
     # By whoever gave the goal, or by the service that stops the robot.
@@ -109,7 +109,7 @@ class TaskGoal(NamedTuple):
 
 class GoalProgress(NamedTuple):
     """
-    How far the pursuit of a goal has come.
+    Progress of the pursuit of a goal.
 
     :param state: what the robot does, a ``PushState``.
     :param cause: ``Report`` of why, or of what is wrong; None while all is well.

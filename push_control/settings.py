@@ -172,7 +172,7 @@ class ControlSettings:
         """Limit of a standstill after which the robot waits [s]; infinite: it never does."""
         return math.inf if self.resume_after_stop == 'automatic' else self.max_standstill
 
-    def believed_covariance(self, measured: ObjectPose) -> PoseCovariance:
+    def assumed_covariance(self, measured: ObjectPose) -> PoseCovariance:
         """
         Choose the covariance of a measured object pose.
 

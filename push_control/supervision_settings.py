@@ -117,7 +117,7 @@ class SupervisionSettings:
         part = INTERVAL_PART / self.confidence_sigmas
         return part * self.position_tolerance, part * self.heading_tolerance
 
-    def believed_covariance(self, odometry: Odometry) -> PoseCovariance | None:
+    def assumed_covariance(self, odometry: Odometry) -> PoseCovariance | None:
         """
         Return the covariance with which odometry measures the pose of the robot in the world.
 

@@ -126,14 +126,14 @@ class BeliefRecorder:
         if row not in self._rows:
             self._rows[row] = self._sampler.sample(row, simulation, supervisor)
 
-    def row(self, number: int) -> tuple[float, ...]:
+    def row(self, index: int) -> tuple[float, ...]:
         """
         Look up what was believed.
 
-        :param number: of the row of the tape.
+        :param index: of the row of the tape.
         :return: numbers in the order of ``columns``; nan where nothing was recorded.
         """
-        return self._rows.get(number, (math.nan,) * len(self.columns))
+        return self._rows.get(index, (math.nan,) * len(self.columns))
 
     def clear(self) -> None:
         """Forget everything, as for another run."""

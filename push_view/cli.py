@@ -78,8 +78,8 @@ async def _serve(options: argparse.Namespace) -> None:
         if not options.no_browser:
             webbrowser.open(url)
         running = asyncio.create_task(session.run())
-        for number in (signal.SIGINT, signal.SIGTERM):
-            asyncio.get_running_loop().add_signal_handler(number, running.cancel)
+        for signum in (signal.SIGINT, signal.SIGTERM):
+            asyncio.get_running_loop().add_signal_handler(signum, running.cancel)
         with contextlib.suppress(asyncio.CancelledError):
             await running
 

@@ -29,8 +29,8 @@ def page_html(title: str, document: Message | None = None) -> str:
     :return: HTML.
     """
     text = page_source('index.html')
-    text = STYLE.sub(lambda found: f'<style>\n{page_source(found[1])}</style>', text)
-    text = SCRIPT.sub(lambda found: f'<script>\n{page_source(found[1])}</script>', text)
+    text = STYLE.sub(lambda match: f'<style>\n{page_source(match[1])}</style>', text)
+    text = SCRIPT.sub(lambda match: f'<script>\n{page_source(match[1])}</script>', text)
     text = TITLE.sub(lambda _: f'<title>{html.escape(title)}</title>', text, count=1)
     text = text.replace(CONNECTIONS[False], CONNECTIONS[document is not None], 1)
     if document is not None:

@@ -42,7 +42,7 @@ def recording(result: RunResult, beliefs: BeliefRecorder | None = None) -> list[
         messages += _displacements(result, tape)
         messages += _collisions(result, tape)
         messages.append(rows_message(tape.rows if beliefs is None else [
-            (*row, *beliefs.row(number)) for number, row in enumerate(tape.rows.tolist())]))
+            (*row, *beliefs.row(row_index)) for row_index, row in enumerate(tape.rows.tolist())]))
     messages.append({'type': 'ending', 'time': result.duration, 'outcome': verdict(result),
                      'missed': bounds_missed(result), 'reason': result.reason,
                      'notes': list(report_notes(result))})

@@ -213,8 +213,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         options = _parser().parse_args(words[:end])
     except SystemExit as finished:
         return BAD_PARAMETER if finished.code else 0
-    given = [f'{name}:={value}' for name, value in vars(options).items() if value is not None]
-    flags = [word for pair in given for word in ('-p', pair)]
+    parameters = [f'{name}:={value}' for name, value in vars(options).items() if value is not None]
+    flags = [word for pair in parameters for word in ('-p', pair)]
     return run(ViewNode, [*(words[end:] or [ROS_ARGUMENTS]), *flags])
 
 

@@ -20,7 +20,7 @@ STRIDE = 2
 
 
 class Body(enum.Enum):
-    """What can touch a wall; the values are those of messages."""
+    """Body that can touch a wall; the values are those of messages."""
 
     ROBOT = 'robot'
     OBJECT = 'object'
@@ -77,15 +77,15 @@ class WallContactDetector:
 
         :return: times [s] in order, each with its ``WallContact``.
         """
-        found: list[tuple[float, WallContact]] = []
+        contacts: list[tuple[float, WallContact]] = []
         for body in Body:
             poses, touched = tape.poses(body.value), False
             for row in range(0, len(poses), STRIDE):
                 contact = self.find(occupancy_map, body, poses[row])
                 if contact is not None and not touched:
-                    found.append((float(tape['time'][row]), contact))
+                    contacts.append((float(tape['time'][row]), contact))
                 touched = contact is not None
-        return sorted(found, key=lambda item: item[0])
+        return sorted(contacts, key=lambda item: item[0])
 
 
 def _is_occupied(occupancy_map: OccupancyMap, points: FloatArray) -> BoolArray:

@@ -110,13 +110,14 @@ class Signals(NamedTuple):
         """
         index = np.searchsorted(self.sent, self.times - dead_time, 'right') - 1
         segments = self.segments[np.maximum(index, 0)]
-        numbers = [number for number, purpose in self.purposes.items() if purpose in purposes]
-        return np.isin(segments, numbers) & (index >= 0)
+        segment_indices = [segment for segment, purpose in self.purposes.items()
+                           if purpose in purposes]
+        return np.isin(segments, segment_indices) & (index >= 0)
 
 
 class DriveFit(NamedTuple):
     """
-    What a recording says of the drive.
+    Fit of the drive to a recording.
 
     :param response: ``DriveResponse`` that fits best.
     :param dead_time: [s].
@@ -197,7 +198,7 @@ def fit_drive(robot: RoundRobot, signals: Signals) -> DriveFit | None:
     response, _ = problem.fit(response, steps)
     ramps = signals.during({Purpose.RAMP}, response.dead_time)
     if ramps.any():
-        response = _place_least_speeds(problem, response, ramps, steps)
+        response = _locate_least_speeds(problem, response, ramps, steps)
     response, covariance = problem.fit(response, steps | ramps)
     least: tuple[Interval | None, Interval | None] = (None, None)
     if ramps.any():
@@ -228,10 +229,10 @@ def _values_of(response: DriveResponse) -> FloatArray:
 
 
 def _with_values(response: DriveResponse, values: FloatArray) -> DriveResponse:
-    numbers = values.tolist()
-    return response._replace(dead_time=numbers[0], time_constant=numbers[1],
-                             acceleration=numbers[2], yaw_acceleration=numbers[3],
-                             scales=(numbers[4], numbers[5]))
+    fitted = values.tolist()
+    return response._replace(dead_time=fitted[0], time_constant=fitted[1],
+                             acceleration=fitted[2], yaw_acceleration=fitted[3],
+                             scales=(fitted[4], fitted[5]))
 
 
 def _search_dead_time(problem: _Problem) -> DriveResponse:
@@ -274,10 +275,10 @@ def plateau_ratios(signals: Signals, dead_time: float, purpose: Purpose,
     :return: (measured over commanded velocity, commanded velocity) of each segment.
     """
     ratios: list[tuple[float, float]] = []
-    for number, kind in signals.purposes.items():
+    for segment, kind in signals.purposes.items():
         if kind is not purpose:
             continue
-        inside = np.flatnonzero(signals.segments == number)
+        inside = np.flatnonzero(signals.segments == segment)
         command = float(signals.commands[inside[-1], axis])
         start, end = signals.sent[inside[0]], signals.sent[inside[-1]]
         times = signals.times - dead_time
@@ -288,8 +289,8 @@ def plateau_ratios(signals: Signals, dead_time: float, purpose: Purpose,
     return ratios
 
 
-def _place_least_speeds(problem: _Problem, response: DriveResponse, ramps: Mask,
-                        steps: Mask) -> DriveResponse:
+def _locate_least_speeds(problem: _Problem, response: DriveResponse, ramps: Mask,
+                         steps: Mask) -> DriveResponse:
     """Find least speeds before the lag and behind it, and take what fits better."""
     candidates: list[tuple[float, DriveResponse]] = []
     for is_behind_lag in (False, True):

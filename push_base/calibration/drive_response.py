@@ -17,7 +17,7 @@ from push_model.parameters import RoundRobot
 
 class DriveResponse(NamedTuple):
     """
-    What a base is like.
+    Response of a base to its commands.
 
     :param dead_time: [s].
     :param time_constant: lag [s].

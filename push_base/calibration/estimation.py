@@ -20,7 +20,7 @@ MIN_AGE, MAX_AGE = -0.005, 1.0
 @dataclasses.dataclass(frozen=True)
 class BaseCalibration:
     """
-    What was measured; None for what was not.
+    Calibration of a base; None for what was not measured.
 
     :param recording: ``Recording`` that it is from, before any touch.
     :param signals: the same as arrays.

@@ -107,12 +107,12 @@ class Finding(enum.Enum):
 
     @property
     def sentence(self) -> str:
-        """What is wrong."""
+        """Sentence that states the fault."""
         return self.value[0]
 
     @property
     def remedy(self) -> str:
-        """What to do."""
+        """Remedy of the fault."""
         return self.value[1]
 
 
@@ -179,8 +179,8 @@ def _first_motion(calibration: BaseCalibration, axis: int) -> _Motion | None:
              if item.purpose is Purpose.STEP and item.twist[axis] != 0.0]
     if not steps:
         return None
-    number, command = steps[0].segment, steps[0].twist[axis]
-    times = [item.time for item in recording.commands if number <= item.segment <= number + 1]
+    segment, command = steps[0].segment, steps[0].twist[axis]
+    times = [item.time for item in recording.commands if segment <= item.segment <= segment + 1]
     poses = [item.odometry.pose for item in recording.odometry
              if times[0] <= item.arrival <= times[-1]]
     if len(poses) < 2:

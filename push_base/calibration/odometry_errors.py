@@ -32,7 +32,7 @@ SHARED_VARIANCE = 1.5
 
 class OdometryErrors(NamedTuple):
     """
-    What odometry errs by.
+    Errors of odometry.
 
     :param scale: relative error of distances.
     :param yaw_scale: relative error of rotations.

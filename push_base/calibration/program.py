@@ -165,12 +165,12 @@ class CalibrationProgram:
 
     @property
     def is_ending(self) -> bool:
-        """Whether only zeros are sent from now on."""
+        """Tell whether only zeros are sent from now on."""
         return self._end_time < math.inf
 
     @property
     def is_done(self) -> bool:
-        """Whether the robot has been stopped, and nothing is left to send."""
+        """Tell whether the robot has been stopped, and nothing is left to send."""
         return self._time >= self._end_time
 
     def interrupt(self, reason: Interruption, time: float) -> None:

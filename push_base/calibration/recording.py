@@ -9,7 +9,7 @@ from push_model.signals import ObjectPose, Odometry, Twist
 
 
 class Purpose(enum.Enum):
-    """What a segment of the program is for; the value is the text in reports."""
+    """Purpose of a segment of the program; the value is the text in reports."""
 
     REST = 'rest'
     STEP = 'step'
@@ -36,7 +36,7 @@ class Interruption(enum.Enum):
 
     @property
     def is_of_motion(self) -> bool:
-        """Whether the base moved otherwise than commanded."""
+        """Tell whether the base moved otherwise than commanded."""
         return self not in (Interruption.BY_USER, Interruption.ODOMETRY_LOST)
 
 

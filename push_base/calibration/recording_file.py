@@ -81,15 +81,15 @@ def from_csv(text: str, name: str = 'recording.csv') -> Recording:
 
 def _add(recording: Recording, row: list[str]) -> None:
     """Add a row; a ``ValueError`` or ``KeyError`` says that it is none."""
-    kind, time, stamp, *numbers, segment, purpose = row
+    kind, time, stamp, *fields, segment, purpose = row
     if kind == COMMAND:
         recording.commands.append(SentCommand(
-            float(time), Twist(*map(float, numbers[3:])), int(segment), Purpose[purpose]))
+            float(time), Twist(*map(float, fields[3:])), int(segment), Purpose[purpose]))
         return
-    pose = Pose(*map(float, numbers[:3]))
+    pose = Pose(*map(float, fields[:3]))
     if kind == ODOMETRY:
         recording.odometry.append(ReceivedOdometry(
-            float(time), Odometry(float(stamp), pose, Twist(*map(float, numbers[3:])))))
+            float(time), Odometry(float(stamp), pose, Twist(*map(float, fields[3:])))))
         return
     poses = {OBJECT_POSE: recording.object_poses, ROBOT_POSE: recording.robot_poses}[kind]
     poses.append(ReceivedPose(float(time), ObjectPose(float(stamp), pose)))

@@ -18,7 +18,7 @@ MAX_AGE_PART = 0.99
 
 class TopicTimes(NamedTuple):
     """
-    When messages of a topic came.
+    Times at which messages of a topic came.
 
     :param rate: [Hz], by the median period of their stamps.
     :param age: arrival minus stamp, median [s].

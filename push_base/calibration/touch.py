@@ -66,24 +66,24 @@ class Touch(NamedTuple):
 
     @property
     def is_object_unseen(self) -> bool:
-        """Whether the robot moved on, and the object did not by its poses."""
+        """Tell whether the robot moved on, and the object did not by its poses."""
         return (self.object_ratio < SPIN_RATIO and self.robot_ratio is not None
                 and self.robot_ratio > MIN_PROGRESS)
 
     @property
     def is_spinning(self) -> bool:
-        """Whether the wheels turned, and the object hardly moved."""
+        """Tell whether the wheels turned, and the object hardly moved."""
         return self.object_ratio < SPIN_RATIO and not self.is_object_unseen
 
     @property
     def is_slipping(self) -> bool:
-        """Whether the object came less far than the wheels turned."""
+        """Tell whether the object came less far than the wheels turned."""
         return SPIN_RATIO <= self.object_ratio < SLIP_RATIO
 
 
 class TouchResult(NamedTuple):
     """
-    What all pushes tell.
+    Result of all pushes.
 
     :param touches: ``Touch`` of each.
     :param combined: e + b n, where they cannot be told apart [m].
@@ -102,7 +102,7 @@ class TouchResult(NamedTuple):
 
     @property
     def is_too_weak(self) -> bool:
-        """Whether the base pushes with less than the object needs."""
+        """Tell whether the base pushes with less than the object needs."""
         return any(touch.is_spinning for touch in self.touches)
 
 
@@ -159,13 +159,13 @@ def _pushes(recording: Recording) -> list[_Push]:
     for item in recording.commands:
         times.setdefault(item.segment, []).append(item.time)
         purposes[item.segment] = item.purpose
-    return [_Push(times[number][0], times[number + 1][0], times[number + 1][-1])
-            for number, purpose in purposes.items() if purpose is Purpose.TOUCH
-            and purposes.get(number + 1) is Purpose.CONTACT]
+    return [_Push(times[segment][0], times[segment + 1][0], times[segment + 1][-1])
+            for segment, purpose in purposes.items() if purpose is Purpose.TOUCH
+            and purposes.get(segment + 1) is Purpose.CONTACT]
 
 
 class _Tracks:
-    """Where robot and object were, by their stamps."""
+    """Tracks of robot and object, by their stamps."""
 
     def __init__(self, recording: Recording, obj: PushedObject) -> None:
         self._object = obj
@@ -186,9 +186,9 @@ class _Tracks:
             return None
         gaps = self._gaps(push.end - AVERAGED_TIME, push.end)
         robot = self._robot_at(push.end)
-        found = find_contact(self._object, after, robot, self._robot.radius)
-        contact = contact_point(self._object, found.contact)
-        direction = math.cos(found.gamma), math.sin(found.gamma)
+        touched = find_contact(self._object, after, robot, self._robot.radius)
+        contact = contact_point(self._object, touched.contact)
+        direction = math.cos(touched.gamma), math.sin(touched.gamma)
         travel = _displacement(before.transform(contact), after.transform(contact), direction)
         wheels = self._wheel_travel(push, before, direction)
         object_ratio = travel / wheels if wheels > 0.0 else 1.0
@@ -196,7 +196,7 @@ class _Tracks:
         is_moved = object_ratio >= SPIN_RATIO
         gap = _mean(gaps, MIN_GAP_WIDTH) if is_moved or self._is_measured else None
         is_unseen = not is_moved and (robot_ratio or 0.0) > MIN_PROGRESS
-        return Touch(found.gamma - after.theta, None if is_unseen else gap,
+        return Touch(touched.gamma - after.theta, None if is_unseen else gap,
                      self._stamp_delay(push, travel, gap) if is_moved else None,
                      object_ratio, robot_ratio)
 

@@ -36,7 +36,7 @@ AVERAGED_TIME, MIN_POSES = 0.8, 5
 
 class TouchPlan(NamedTuple):
     """
-    What is to be touched.
+    Object and poses of the touch program.
 
     :param object: the nominal ``PushedObject``.
     :param sides: 1, or 2 for opposite ones.
@@ -76,7 +76,7 @@ class TouchProgram:
         # Stages that are left.
         self._stages: list[Callable[[Pose, Pose], list[Drive]]] = [self._go_to_start, self._push]
         if plan.sides == 2:
-            self._stages += [self._go_aside, self._go_past, self._go_behind, self._go_to_start,
+            self._stages += [self._go_sideways, self._go_past, self._go_behind, self._go_to_start,
                              self._push]
 
     def next_drives(self, recording: Recording, robot: Pose) -> list[Drive]:
@@ -90,7 +90,7 @@ class TouchProgram:
         obj = object_in_odometry(recording, robot)
         if obj is None or math.dist(obj[:2], robot[:2]) > MAX_DISTANCE:
             return []
-        if self._stages and self._stages[0] == self._go_aside and self._drives == 0:
+        if self._stages and self._stages[0] == self._go_sideways and self._drives == 0:
             result = evaluate_touches(recording)
             # By wheels that have spun the robot does not know where it is.
             if result is None or result.is_too_weak:
@@ -129,7 +129,7 @@ class TouchProgram:
         frame = self._frame(obj, robot)
         return self._go(robot, frame @ Pose(-self._start_distance(frame, obj), 0.0, 0.0), True)
 
-    def _go_aside(self, obj: Pose, robot: Pose) -> list[Drive]:
+    def _go_sideways(self, obj: Pose, robot: Pose) -> list[Drive]:
         return self._go(robot, self._corner(obj, robot, -1.0, 1.0), False)
 
     def _go_past(self, obj: Pose, robot: Pose) -> list[Drive]:
@@ -143,9 +143,9 @@ class TouchProgram:
         return drives
 
     def _corner(self, obj: Pose, robot: Pose, x: float, y: float) -> Pose:
-        """Return a place on the way round the object."""
-        reach = 0.5 * self._plan.object.size + self._radius + CLEARANCE
-        return self._frame(obj, robot) @ Pose(x * reach, y * reach, 0.0)
+        """Return a position on the way round the object."""
+        distance = 0.5 * self._plan.object.size + self._radius + CLEARANCE
+        return self._frame(obj, robot) @ Pose(x * distance, y * distance, 0.0)
 
     def _go(self, robot: Pose, target: Pose, has_heading: bool) -> list[Drive]:
         """Choose drives to a place; none where the robot is there."""
@@ -182,9 +182,9 @@ class TouchProgram:
         x, _ = frame.inverse().transform(robot[:2])
         free = -x - _extent(self._plan.object, obj, frame) - self._radius
         speed = min(SPEED, self._robot.max_speed)
-        ahead = Twist(speed, 0.0, 0.0)
+        forward = Twist(speed, 0.0, 0.0)
         return [Drive(Purpose.APPROACH, REST_TIME),
-                Drive(Purpose.TOUCH, (max(0.0, free) + DISTANCE) / speed, ahead),
+                Drive(Purpose.TOUCH, (max(0.0, free) + DISTANCE) / speed, forward),
                 Drive(Purpose.CONTACT, REST_TIME),
                 Drive(Purpose.APPROACH, RETREAT / speed, Twist(-speed, 0.0, 0.0)),
                 Drive(Purpose.APPROACH, SETTLE_TIME)]

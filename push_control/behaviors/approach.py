@@ -84,7 +84,7 @@ class StandoffApproach(Behavior[TaskPerception]):
                 self.failure = no_path(error)
                 return STOP
         self._execution.limit_to(perception.limited(self._context.robot))
-        command = self._execution.step(robot_pose, dt, perception.pose_ahead)
+        command = self._execution.step(robot_pose, dt, perception.predicted_pose)
         self.failure = self._execution.failure
         if self._execution.has_missed_end:
             self._execution = None

@@ -27,7 +27,7 @@ Perception = TypeVar('Perception', bound=RawPerception, contravariant=True)
 
 class BehaviorContext(NamedTuple):
     """
-    What a behaviour acts upon.
+    Context in which a behaviour acts.
 
     :param obj: the ``PushedObject`` as identified so far.
     :param occupancy_map: the ``OccupancyMap``, or None on open floor.
@@ -75,7 +75,7 @@ class Abort(NamedTuple):
 
 class Behavior(abc.ABC, Generic[Perception]):
     """
-    What the robot does in one state of a task.
+    Behaviour of the robot in one state of a task.
 
     ``finished``: whether it has ended well. ``failure``: the ``FailureReport`` where it has ended
     otherwise, else None. ``measurement_need``: its ``MeasurementNeed``.
@@ -131,7 +131,7 @@ class Behavior(abc.ABC, Generic[Perception]):
 
     @property
     def awaits_resume(self) -> bool:
-        """Whether it waits until somebody lets the robot go on."""
+        """Tell whether it waits until somebody lets the robot go on."""
         return False
 
     def on_safety_report(self, fault: SafetyReport | None, stop: SafetyReport | None) -> None:

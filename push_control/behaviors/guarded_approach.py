@@ -27,7 +27,7 @@ SEARCH_SIGMAS = 2.0
 
 
 class _Search(NamedTuple):
-    """Where the search for the contact began, and how far it goes [m]."""
+    """Start of the search for the contact, and its length [m]."""
 
     start: Pose
     length: float
@@ -78,7 +78,7 @@ class GuardedApproach(Behavior[TaskPerception]):
 
     def _noise(self, measured: ObjectPose) -> float:
         """Return the std of the measured contact position along its normal [m]."""
-        noise = self._context.control.believed_covariance(measured)
+        noise = self._context.control.assumed_covariance(measured)
         lever_arm = math.hypot(*contact_start_point(self._target))
         return math.hypot(noise.position_deviation, noise.heading_deviation * lever_arm)
 
@@ -94,11 +94,11 @@ class GuardedApproach(Behavior[TaskPerception]):
         braking = math.sqrt(self._context.control.start_speed ** 2
                             + 2.0 * acceleration * max(0.0, safe_gap))
         self._speed = min(self._speed + acceleration * dt, braking, self._drive.speed)
-        command = holonomic_command(self._speed, 0.0, self._angle_ahead(pose), 0.0, 0.0)
+        command = holonomic_command(self._speed, 0.0, self._motion_angle(pose), 0.0, 0.0)
         return limit_command(command, self._context.robot)
 
-    def _angle_ahead(self, pose: Pose) -> float:
-        """Direction of motion in the robot's axes [rad]."""
+    def _motion_angle(self, pose: Pose) -> float:
+        """Return the direction of motion in the robot's axes [rad]."""
         robot = self._context.robot
         if robot.drive == 'differential':
             return 0.0
@@ -108,7 +108,7 @@ class GuardedApproach(Behavior[TaskPerception]):
     def _test_contact(self, perception: TaskPerception, measured: ObjectPose) -> None:
         """Test whether the contact point of the object has moved along the contact normal."""
         context, before, pose = self._context, self._object_pose, measured.pose
-        noise = context.control.believed_covariance(measured)
+        noise = context.control.assumed_covariance(measured)
         if has_moved(before, pose, context.supervision, noise):
             perception.on_object_moved(before)
             self.failure = BehaviorFailure.OBJECT_MOVED.report()

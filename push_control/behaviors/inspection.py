@@ -56,7 +56,7 @@ def distance_at_gap(context: BehaviorContext, object_pose: Pose, facing: Pose,
     """
     offset = context.robot.radius
     for _ in range(STEPS):
-        place = facing.transform((offset, 0.0))
-        offset += max(0.0, gap - find_contact(context.obj, object_pose, place,
+        position = facing.transform((offset, 0.0))
+        offset += max(0.0, gap - find_contact(context.obj, object_pose, position,
                                               context.robot.radius).gap)
     return offset

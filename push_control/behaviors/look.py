@@ -115,7 +115,7 @@ class LookMargin:
 
 
 class _Motion(abc.ABC):
-    """One thing that the robot does to see the object; ``is_over`` once it is done."""
+    """Motion by which the robot comes to see the object; ``is_over`` once it is done."""
 
     is_over = False
 
@@ -214,7 +214,7 @@ class _Drive(_Motion):
 
     def step(self, perception: TaskPerception, dt: float) -> Twist:
         """Drive."""
-        command = self._execution.step(perception.robot_pose, dt, perception.pose_ahead)
+        command = self._execution.step(perception.robot_pose, dt, perception.predicted_pose)
         self.is_over = self._execution.finished or self._execution.failure is not None
         return command
 
@@ -344,15 +344,15 @@ class Look(Behavior[TaskPerception]):
         length = index * ROUND_DISTANCE
         for k in range(DIRECTIONS):
             direction = start.theta + (2 * index + k) * DIRECTION_STEP
-            place = Pose(start.x, start.y, direction).transform((length, 0.0))
-            path = self._straight_path(perception.robot_pose, place)
+            position = Pose(start.x, start.y, direction).transform((length, 0.0))
+            path = self._straight_path(perception.robot_pose, position)
             if self._is_free(perception, path):
                 return path
         return None
 
-    def _straight_path(self, robot_pose: Pose, place: tuple[float, float]) -> Path:
-        direction = math.atan2(place[1] - robot_pose.y, place[0] - robot_pose.x)
-        end, waypoints = Pose(*place, direction), [Waypoint(*place)]
+    def _straight_path(self, robot_pose: Pose, position: tuple[float, float]) -> Path:
+        direction = math.atan2(position[1] - robot_pose.y, position[0] - robot_pose.x)
+        end, waypoints = Pose(*position, direction), [Waypoint(*position)]
         if self._context.robot.drive == 'differential':
             return differential_path(robot_pose, end, waypoints, [False])
         return holonomic_path(robot_pose, end, waypoints)

@@ -73,7 +73,7 @@ class PathExecution:
 
     @property
     def has_missed_end(self) -> bool:
-        """Whether the robot has come beside an end that it was to pass, and stops."""
+        """Tell whether the robot has come beside an end that it was to pass, and stops."""
         return self._follower.missed
 
     def is_free(self, occupancy_map: OccupancyMap | None, pose: Pose) -> bool:
@@ -96,12 +96,12 @@ class PathExecution:
         if self._follower.limit_to(robot):
             self._remaining_time = max(self._remaining_time, self._time_limit(robot))
 
-    def step(self, pose: Pose, dt: float, ahead: Pose | None = None) -> Twist:
+    def step(self, pose: Pose, dt: float, predicted: Pose | None = None) -> Twist:
         """
         Compute the command.
 
         :param dt: time since the last call [s].
-        :param ahead: as of ``PathFollower.step``.
+        :param predicted: as of ``PathFollower.step``.
         :return: ``Twist``; STOP once there is a ``failure``.
         """
         self._remaining_time -= dt
@@ -110,7 +110,7 @@ class PathExecution:
                 or displacement(self._last_motion, pose, self._robot.radius) > MOTION_THRESHOLD):
             self._last_motion = pose
             self._standing_time = 0.0
-        command = self._follower.step(pose, dt, ahead)
+        command = self._follower.step(pose, dt, predicted)
         self.finished = self._follower.finished
         is_stalled = self._remaining_time < 0.0 or self._standing_time > self._stall_timeout
         if is_stalled and not self.finished:
@@ -178,7 +178,7 @@ class PathBehavior(Behavior[Perception]):
                 self.context.supervision.stall_timeout, end_speed=self._end_speed)
         execution = self._execution
         execution.limit_to(perception.limited(self.context.robot))
-        command = execution.step(perception.robot_pose, dt, perception.pose_ahead)
+        command = execution.step(perception.robot_pose, dt, perception.predicted_pose)
         # Beside the end of a path that is passed at speed is good enough, too.
         self.finished = execution.finished or execution.has_missed_end
         self.failure = execution.failure

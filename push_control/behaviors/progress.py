@@ -52,7 +52,7 @@ REST_TIME_LIMIT = 60.0
 
 
 class GoalCheck(enum.Enum):
-    """Whether an object at rest is at its goal."""
+    """Tell whether an object at rest is at its goal."""
 
     REACHED = 'reached'
     MISSED = 'missed'
@@ -82,12 +82,12 @@ class RestClock:
 
     @property
     def is_long(self) -> bool:
-        """Whether the present wait is long enough to be reported."""
+        """Tell whether the present wait is long enough to be reported."""
         return self._present_wait > REST_REPORT_TIME
 
     @property
     def is_too_long(self) -> bool:
-        """Whether all long waits together are a reason to give up."""
+        """Tell whether all long waits together are a reason to give up."""
         return self.is_long and self._earlier_waits + self._present_wait > REST_TIME_LIMIT
 
     def wait(self, time: float) -> None:
@@ -190,7 +190,7 @@ class ProgressMonitor:
 
     @property
     def has_spun(self) -> bool:
-        """Whether the wheels have spun at a push since the object last came nearer."""
+        """Tell whether the wheels have spun at a push since the object last came nearer."""
         return self._spins > 0
 
     def forget_safety_stops(self) -> None:
@@ -338,7 +338,7 @@ class ProgressMonitor:
             limit=settings.averaging_time_limit)
 
     def _is_averaged(self, object_at_rest: ObjectAtRest) -> bool:
-        """Whether further poses are not worth their time."""
+        """Tell whether further poses are not worth their time."""
         settings, duration = self.settings, object_at_rest.duration
         if duration < settings.max_averaging_time:
             return False
@@ -388,13 +388,13 @@ class ProgressMonitor:
         return TaskFailure.NO_PLAN if self._planning_failure else None
 
     def _have_moved(self, before: PlanRequest, request: PlanRequest) -> bool:
-        """Whether object or robot are elsewhere than in a previous request."""
+        """Tell whether object or robot are elsewhere than in a previous request."""
         return (has_moved(before.object_pose, request.object_pose, self.settings)
                 or has_moved(before.robot_pose, request.robot_pose, self.settings))
 
 
 def _is_at_end(plan: PushTrajectory, pose: Pose) -> bool:
-    """Whether an object is about where a plan ends."""
+    """Tell whether an object is about where a plan ends."""
     end = Pose(*plan.object_poses[-1].tolist())
     return (distance(end, pose) < WAYPOINT_DISTANCE
             and abs(wrap_angle(end.theta - pose.theta)) < WAYPOINT_ANGLE)

@@ -74,7 +74,7 @@ UNMEASURED = ObjectAtRest(Pose(0.0, 0.0, 0.0), 0.0, 0.0, 0.0)
 @dataclasses.dataclass(frozen=True)
 class PushProgress:
     """
-    What is known of a straight push at one step.
+    Knowledge of a straight push at one step.
 
     :param length: planned length of the push [m].
     :param course: the last choice, with the distance that remains of it now.
@@ -136,13 +136,13 @@ class PushProgress:
 
     @property
     def is_excessive(self) -> bool:
-        """Whether it takes far longer than planned."""
+        """Tell whether it takes far longer than planned."""
         limit = EXCESS_DISTANCE + EXCESS_RATIO * self.length
         return self.pushed > limit or self.time > TIMEOUT + limit / MIN_SPEED
 
     @property
     def is_too_uncertain(self) -> bool:
-        """Whether it is not known well enough where an object that is not seen is by now."""
+        """Tell whether it is not known well enough where an object that is not seen is by now."""
         return self.is_blind and (self.object_std > MAX_UNSEEN_STD
                                   or self.object_heading_std > MAX_UNSEEN_HEADING_STD)
 

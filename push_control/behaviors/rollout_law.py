@@ -40,7 +40,7 @@ COARSE_SPACING = 0.03
 
 class Decision(NamedTuple):
     """
-    What to do next.
+    Decision of the law at one step.
 
     :param curvature: of the robot's path [1/m].
     :param stopping_distance: after which it is best to stop [m].
@@ -135,14 +135,14 @@ def _vertex(stops: FloatArray, costs: FloatArray, best: int) -> float:
     if best == 0 or best == len(stops) - 1:
         return float(stops[best])
     before, here, after = costs[best - 1:best + 2]
-    left, right = stops[best] - stops[best - 1], stops[best + 1] - stops[best]
-    slope_before, slope_after = (here - before) / left, (after - here) / right
+    before_width, after_width = stops[best] - stops[best - 1], stops[best + 1] - stops[best]
+    slope_before, slope_after = (here - before) / before_width, (after - here) / after_width
     bend = slope_after - slope_before
     if bend <= 0.0:
         return float(stops[best])
     # Where the slope, linear between the middles of both intervals, is 0.
-    shift = -slope_before / bend * 0.5 * (left + right) - 0.5 * left
-    return float(stops[best] + min(right, max(-left, shift)))
+    shift = -slope_before / bend * 0.5 * (before_width + after_width) - 0.5 * before_width
+    return float(stops[best] + min(after_width, max(-before_width, shift)))
 
 
 def warm_up(primitives: PushPrimitives, ensemble: EnsembleReading) -> None:

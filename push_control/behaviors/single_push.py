@@ -7,7 +7,7 @@ from push_control.perception.measurement_watch import MeasurementWatch
 from push_control.perception.raw_perception import RawPerception
 from push_control.steered.controller import WAITING_TIME_LIMIT
 from push_control.steered.estimation.contact_site import SAME_PUSH_DISTANCE, SAME_PUSH_ROTATION
-from push_control.steered.plan_check import Place
+from push_control.steered.plan_check import PoseRegion
 from push_control.steered.status import Phase
 from push_model.events import EventReport, PushEvent
 from push_model.geometry import Pose
@@ -92,8 +92,9 @@ class PromptPlan(Behavior[RawPerception]):
                                                             reason=self._fault)
 
     def _is_outdated(self, request: PlanRequest, observation: Observation) -> bool:
-        """Whether the object seems to be elsewhere than where the plan was requested from."""
-        measured, start = observation.object_pose, Place(request.object_pose, *self.start_limits)
+        """Tell whether the object seems to be elsewhere than where the plan was requested from."""
+        measured = observation.object_pose
+        start = PoseRegion(request.object_pose, *self.start_limits)
         return (observation.pose_rejection is not None
                 or measured is not None and not start.contains(measured.pose))
 
@@ -122,7 +123,7 @@ class SinglePush(SteeredPush):
 
     @property
     def awaits_resume(self) -> bool:
-        """Whether it waits until somebody lets the robot go on."""
+        """Tell whether it waits until somebody lets the robot go on."""
         return self._controller.awaits_resume
 
     def on_safety_report(self, fault: SafetyReport | None, stop: SafetyReport | None) -> None:

@@ -116,6 +116,6 @@ class SteeredPush(Behavior['TaskPerception']):
 
 
 def _loses_clearance(is_free: Callable[..., bool], body: Any, pose: Pose, planned: Pose) -> bool:
-    """Whether a body lacks a clearance at its pose that it has where the plan puts it."""
+    """Tell whether a body lacks a clearance at its pose that it has where the plan puts it."""
     return any(not is_free(body, [pose], clearance) and is_free(body, [planned], clearance)
                for clearance in GUARDED_CLEARANCES)

@@ -222,8 +222,9 @@ class StraightPush(Behavior[TaskPerception]):
             v_x, v_y = perception.robot_pose.rotate(odometry.twist[:2])
             driven = driven[0] + dt * v_x, driven[1] + dt * v_y
         stopped = dt if progress.stage is Stage.STOPPING else 0.0
-        ahead = perception.motion_ahead
-        pending, final_speed = math.hypot(*ahead.displacement[:2]), math.hypot(*ahead.velocity[:2])
+        predicted = perception.predicted_motion
+        pending = math.hypot(*predicted.displacement[:2])
+        final_speed = math.hypot(*predicted.velocity[:2])
         return dataclasses.replace(
             progress, time=progress.time + dt, steering_time=progress.steering_time + dt,
             stopping_time=progress.stopping_time + stopped, speed=speed, driven=driven,
@@ -260,8 +261,8 @@ class StraightPush(Behavior[TaskPerception]):
             object_heading_std=object_heading_std)
 
     def _is_seen_to_move(self, measured: ObjectPose, before: Pose) -> bool:
-        """Whether the object has moved by more than the noise of a pose."""
-        noise = self._control.believed_covariance(measured)
+        """Tell whether the object has moved by more than the noise of a pose."""
+        noise = self._control.assumed_covariance(measured)
         return (distance(measured.pose, before) > MOVED_SIGMAS * noise.position_deviation
                 or abs(wrap_angle(measured.pose.theta - before.theta))
                 > MOVED_SIGMAS * noise.heading_deviation)
@@ -285,7 +286,7 @@ class StraightPush(Behavior[TaskPerception]):
         direction = pose.theta + self._direction
         contact = (pose.x + self._robot.radius * math.cos(direction),
                    pose.y + self._robot.radius * math.sin(direction))
-        noise = self._control.believed_covariance(measured)
+        noise = self._control.assumed_covariance(measured)
         watch.add_distance(perception.time, progress.pushed)
         if progress.was_blind:
             return watch
@@ -321,7 +322,7 @@ class StraightPush(Behavior[TaskPerception]):
         ensemble = self._ensemble
         pose, object_pose = ensemble.pose, ensemble.object_pose
         if perception.base.dead_time > 0.0:
-            pose = pose @ perception.motion_ahead.displacement
+            pose = pose @ perception.predicted_motion.displacement
         line = object_pose @ self._line.start
         _, lateral = line.inverse().transform(pose[:2])
         gap = ensemble.members.gap(object_pose, pose)
@@ -341,9 +342,9 @@ class StraightPush(Behavior[TaskPerception]):
             omega = min(self._robot.max_yaw_rate, max(-self._robot.max_yaw_rate,
                                                       speed * curvature))
             return Twist(speed, 0.0, omega)
-        aside = math.atan2(-2.0 * lateral, RETURN_DISTANCE)
+        correction = math.atan2(-2.0 * lateral, RETURN_DISTANCE)
         # ``heading`` is that of the robot relative to the line.
-        return _moving(speed, aside - heading, 0.0)
+        return _moving(speed, correction - heading, 0.0)
 
     def _push(self, course: Steer) -> Twist:
         """Push along an arc; slowly until the object is seen to move: the touch may be a wall."""

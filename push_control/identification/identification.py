@@ -16,7 +16,7 @@ unknowns in the order above (c^2 and mu_c as logarithms), e_j the end of push j 
     sum_j |(x, y, l theta)(e_j(p) - end_j)|^2 / sigma^2 + sum_i ((p_i - p_i0) / s_i)^2
 
 sigma is estimated from the median of what is left; a push that is off by more than OUTLIER sigma
-counts less (Huber's weights); the second sum is what is believed of the nominal object. The cost
+counts less (Huber's weights); the second sum is the prior of the nominal object. The cost
 is minimized by Gauss's and Newton's method with derivatives by differences, which are integrated
 all at once.
 
@@ -58,10 +58,10 @@ ITERATIONS = 12
 # the cost below this.
 HALVINGS = 5
 ENOUGH = 1e-4
-# What is believed of a nominal object: F within a quarter of the root of c^2 of its place, c^2
+# Prior of a nominal object: F within a quarter of the root of c^2 of its place, c^2
 # within 30 % and contact friction within a factor of 1.8 (one standard deviation each). Chosen.
 CENTER_SHARE = 0.25
-LOG_SPREAD = 0.3
+LOG_STD = 0.3
 LOG_FRICTION = 0.6
 PATTERN = 0.3
 # A support keeps at least this part of its friction: so that F stays inside.
@@ -80,7 +80,7 @@ NAMES = ('friction_center_x', 'friction_center_y', 'c_squared_ratio', 'contact_f
 @dataclasses.dataclass(frozen=True)
 class Identification:
     """
-    What recorded pushes tell of an object.
+    Object identified from recorded pushes.
 
     :param friction_center_x: of F, object frame [m].
     :param friction_center_y: likewise [m].
@@ -128,17 +128,17 @@ class _Problem(NamedTuple):
         return math.sqrt(_mean_square(SupportArrays.of(self.obj)))
 
     @property
-    def believed(self) -> FloatArray:
+    def nominal(self) -> FloatArray:
         """Unknowns of the nominal object, shape (4 + patterns,)."""
         return np.array([*friction_center(self.obj), 0.0,
                          math.log(self.obj.contact_friction_coefficient),
                          *[0.0] * self.patterns])
 
     @property
-    def doubts(self) -> FloatArray:
-        """Standard deviations of what is believed, shape (4 + patterns,)."""
+    def stds(self) -> FloatArray:
+        """Standard deviations of the prior about the nominal object, shape (4 + patterns,)."""
         center = CENTER_SHARE * self.length
-        return np.array([center, center, LOG_SPREAD, LOG_FRICTION, *[PATTERN] * self.patterns])
+        return np.array([center, center, LOG_STD, LOG_FRICTION, *[PATTERN] * self.patterns])
 
     def residuals(self, unknowns: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return ends minus measured ends for k sets of unknowns, (k, 3 n), and who slides."""
@@ -149,10 +149,10 @@ class _Problem(NamedTuple):
         pushes = integrate_slow_pushes(
             Shape.of(self.obj), supports, np.repeat(np.exp(unknowns[:, 3]), count),
             self.robot_radius, np.tile(self.starts, (sets, 1)), np.tile(self.paths, (sets, 1, 1)))
-        left = pushes.poses[:, -1] - np.tile(self.ends, (sets, 1))
-        left[:, 2] = self.length * wrap_angles(left[:, 2])
+        residuals = pushes.poses[:, -1] - np.tile(self.ends, (sets, 1))
+        residuals[:, 2] = self.length * wrap_angles(residuals[:, 2])
         slides = (pushes.slides != 0).any(axis=1).reshape(sets, count)
-        return left.reshape(sets, 3 * count), slides
+        return residuals.reshape(sets, 3 * count), slides
 
 
 def changed_supports(obj: PushedObject, unknowns: FloatArray) -> SupportArrays:
@@ -203,8 +203,8 @@ def identify(obj: PushedObject, robot_radius: float, pushes: Sequence[RecordedPu
     """
     Identify friction from recorded pushes.
 
-    :param obj: nominal ``PushedObject``; its shape and the places of its supports count, its
-        friction is what is believed before.
+    :param obj: nominal ``PushedObject``; its shape and the positions of its supports count, its
+        friction is the prior.
     :param robot_radius: R_p [m].
     :param pushes: at least three.
     :param free: names of the unknowns, some of ``NAMES``; the others keep their nominal values.
@@ -219,10 +219,10 @@ def identify(obj: PushedObject, robot_radius: float, pushes: Sequence[RecordedPu
     patterns = friction_patterns(*SupportArrays.of(obj)).shape[1]
     is_free = np.array([name in free for name in NAMES] + [True] * patterns)
     problem = _Problem(obj, robot_radius, *stacked(pushes, POINTS), is_free)
-    unknowns, slope, left, slides = _minimized(problem)
-    sigma, weights = _weights(left, int(is_free.sum()))
+    unknowns, slope, residuals, slides = _minimized(problem)
+    sigma, weights = _weights(residuals, int(is_free.sum()))
     margin = np.zeros(len(is_free))
-    margin[is_free] = _margins(slope, left, weights / sigma ** 2, problem.doubts[is_free])
+    margin[is_free] = _margins(slope, residuals, weights / sigma ** 2, problem.stds[is_free])
     low, high = unknowns - margin, unknowns + margin
     intervals = [Interval(*(float(value) for value in row))
                  for row in zip(unknowns, low, high)][:len(NAMES)]
@@ -246,44 +246,44 @@ def identified_object(obj: PushedObject, unknowns: FloatArray) -> PushedObject:
     positions, capacities = changed_supports(obj, unknowns)
     # Loads as before; the friction coefficients carry the rest.
     weight = sum(obj.loads)
-    places = [(support.x, support.y) for support in obj.supports]
+    positions = [(support.x, support.y) for support in obj.supports]
     if abs(unknowns[2]) > 1e-12:
-        places = [(float(x), float(y)) for x, y in positions]
-    supports = tuple(Support(x, y, 1.0) for x, y in places)
+        positions = [(float(x), float(y)) for x, y in positions]
+    supports = tuple(Support(x, y, 1.0) for x, y in positions)
     moved = dataclasses.replace(obj, supports=supports)
     friction = [float(capacity) / max(load, 1e-3 * weight)
                 for capacity, load in zip(capacities, moved.loads)]
     return dataclasses.replace(
-        obj, supports=tuple(Support(x, y, mu) for (x, y), mu in zip(places, friction)),
+        obj, supports=tuple(Support(x, y, mu) for (x, y), mu in zip(positions, friction)),
         contact_friction_coefficient=math.exp(float(unknowns[3])))
 
 
-def _weights(left: FloatArray, unknowns: int) -> tuple[float, FloatArray]:
+def _weights(residuals: FloatArray, unknowns: int) -> tuple[float, FloatArray]:
     """Estimate the standard deviation of what is left [m], and weights (3 n,) of the pushes."""
-    degrees = max(1.0, len(left) - unknowns)
-    sizes = np.sqrt((left.reshape(-1, 3) ** 2).mean(axis=1))
-    typical = max(MIN_SIGMA, float(np.median(sizes)) * math.sqrt(len(left) / degrees))
+    degrees = max(1.0, len(residuals) - unknowns)
+    sizes = np.sqrt((residuals.reshape(-1, 3) ** 2).mean(axis=1))
+    typical = max(MIN_SIGMA, float(np.median(sizes)) * math.sqrt(len(residuals) / degrees))
     weights = np.repeat(np.minimum(1.0, OUTLIER * typical / np.maximum(sizes, 1e-12)), 3)
-    return max(MIN_SIGMA, math.sqrt(float(weights @ left ** 2) / degrees)), weights
+    return max(MIN_SIGMA, math.sqrt(float(weights @ residuals ** 2) / degrees)), weights
 
 
-def _margins(slope: FloatArray, left: FloatArray, weights: FloatArray,
-             doubts: FloatArray) -> FloatArray:
+def _margins(slope: FloatArray, residuals: FloatArray, weights: FloatArray,
+             stds: FloatArray) -> FloatArray:
     """
     Find half the widths of the intervals.
 
     :param slope: derivatives of the residuals of n pushes, shape (3 n, u).
-    :param left: residuals, shape (3 n,).
+    :param residuals: shape (3 n,).
     :param weights: of their squares, shape (3 n,).
-    :param doubts: standard deviations of what is believed, shape (u,).
+    :param stds: standard deviations of the prior, shape (u,).
     :return: shape (u,).
     """
-    count = len(left) // 3
-    prior = np.diag(1.0 / doubts ** 2)
+    count = len(residuals) // 3
+    prior = np.diag(1.0 / stds ** 2)
     each = slope.reshape(count, 3, -1)
     weighted = weights.reshape(count, 3, 1) * each
     informations = np.einsum('jka,jkb->jab', each, weighted)
-    gradients = np.einsum('jka,jk->ja', weighted, left.reshape(count, 3))
+    gradients = np.einsum('jka,jk->ja', weighted, residuals.reshape(count, 3))
     information = informations.sum(axis=0) + prior
     covariance = np.linalg.inv(information)
     steps = np.linalg.solve(information - informations, gradients[:, :, None])[..., 0]
@@ -293,46 +293,47 @@ def _margins(slope: FloatArray, left: FloatArray, weights: FloatArray,
     telling = shares.sum(axis=0) ** 2 / np.maximum((shares ** 2).sum(axis=0), 1e-300)
     quantiles = student.ppf(0.5 * (1.0 + CONFIDENCE), np.maximum(MIN_DEGREES, telling))
     # Nothing is known worse than before the first push.
-    believed = doubts * float(norm.ppf(0.5 * (1.0 + CONFIDENCE)))
-    return np.minimum(quantiles * deviations, believed)
+    prior_margins = stds * float(norm.ppf(0.5 * (1.0 + CONFIDENCE)))
+    return np.minimum(quantiles * deviations, prior_margins)
 
 
 def _minimized(problem: _Problem) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Return unknowns (u,), derivatives (3 n, free), residuals (3 n,) and who slides (n,)."""
     free = np.flatnonzero(problem.is_free)
-    unknowns = problem.believed
-    slope, left, slides = _linearized(problem, unknowns, free)
+    unknowns = problem.nominal
+    slope, residuals, slides = _linearized(problem, unknowns, free)
     for _ in range(ITERATIONS):
-        better = _improved(problem, unknowns, free, (slope, left))
+        better = _improved(problem, unknowns, free, (slope, residuals))
         if better is None:
             break
         unknowns = better
-        slope, left, slides = _linearized(problem, unknowns, free)
-    return unknowns, slope, left, slides
+        slope, residuals, slides = _linearized(problem, unknowns, free)
+    return unknowns, slope, residuals, slides
 
 
 def _linearized(problem: _Problem, unknowns: FloatArray,
                 free: NDArray[np.int_]) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return derivatives (3 n, free), residuals (3 n,) and who slides (n,)."""
-    found, slides = problem.residuals(
+    residuals, slides = problem.residuals(
         np.vstack([unknowns, unknowns + np.diag(problem.differences)[free]]))
-    return ((found[1:] - found[0]) / problem.differences[free, None]).T, found[0], slides[0]
+    slope = ((residuals[1:] - residuals[0]) / problem.differences[free, None]).T
+    return slope, residuals[0], slides[0]
 
 
 def _improved(problem: _Problem, unknowns: FloatArray, free: NDArray[np.int_],
               linearized: tuple[FloatArray, FloatArray]) -> FloatArray | None:
     """Take the best of the step and its halvings; None where the cost hardly falls."""
-    slope, left = linearized
-    sigma, weights = _weights(left, len(free))
-    doubts, off = problem.doubts[free], (unknowns - problem.believed)[free]
+    slope, residuals = linearized
+    sigma, weights = _weights(residuals, len(free))
+    stds, off = problem.stds[free], (unknowns - problem.nominal)[free]
     step = np.zeros(len(unknowns))
     step[free] = -np.linalg.solve(
-        slope.T @ (weights[:, None] * slope) / sigma ** 2 + np.diag(1.0 / doubts ** 2),
-        slope.T @ (weights * left) / sigma ** 2 + off / doubts ** 2)
+        slope.T @ (weights[:, None] * slope) / sigma ** 2 + np.diag(1.0 / stds ** 2),
+        slope.T @ (weights * residuals) / sigma ** 2 + off / stds ** 2)
     tried = unknowns + 0.5 ** np.arange(HALVINGS)[:, None] * step
     others = problem.residuals(tried)[0]
     costs = (weights * (others / sigma) ** 2).sum(axis=1) + (
-        ((tried - problem.believed)[:, free] / doubts) ** 2).sum(axis=1)
-    cost = float(weights @ (left / sigma) ** 2 + (off / doubts) @ (off / doubts))
+        ((tried - problem.nominal)[:, free] / stds) ** 2).sum(axis=1)
+    cost = float(weights @ (residuals / sigma) ** 2 + (off / stds) @ (off / stds))
     best = int(np.argmin(costs))
     return tried[best] if costs[best] <= cost * (1.0 - ENOUGH) else None

@@ -27,7 +27,7 @@ LATERAL_SIGMAS = 3.0
 
 
 class Touch(enum.Enum):
-    """What a contact, or one that there should have been, has shown."""
+    """Result of a contact, or of one that there should have been."""
 
     # The object has moved as the robot has.
     PUSHED = 'pushed'
@@ -98,12 +98,12 @@ class ContactConsistency:
 
     @property
     def fits(self) -> bool:
-        """Whether the last contact fits the object poses."""
+        """Tell whether the last contact fits the object poses."""
         return self._contradictions == 0
 
     @property
     def is_refuting(self) -> bool:
-        """Whether no place of the robot explains the contacts."""
+        """Tell whether no place of the robot explains the contacts."""
         return self._contradictions >= MAX_CONTRADICTIONS
 
     @property

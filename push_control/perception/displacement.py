@@ -34,7 +34,7 @@ Memory = TypeVar('Memory')
 
 
 class Displacement(enum.Enum):
-    """How an object has moved from one pose to the next."""
+    """Displacement of an object from one pose to the next."""
 
     # Not at all, or as far as the robot may have pushed it.
     NONE = 'none'

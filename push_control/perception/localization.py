@@ -48,23 +48,23 @@ class Localization(ContactHypotheses):
 
     @property
     def has_received_odometry(self) -> bool:
-        """Whether odometry has come, and was not only taken over."""
+        """Tell whether odometry has come, and was not only taken over."""
         return self._received is not None
 
     @property
     def is_robot_measured(self) -> bool:
-        """Whether odometry measures the robot in the world, so that its place does not drift."""
+        """Tell whether odometry measures the robot in the world, without drift."""
         return (self._received is not None
-                and self._supervision.believed_covariance(self._received) is not None)
+                and self._supervision.assumed_covariance(self._received) is not None)
 
     @property
     def is_robot_in_map(self) -> bool:
-        """Whether odometry measures the robot with errors that stay, as localization in a map."""
+        """Tell whether odometry measures the robot with lasting errors, as in a map."""
         return self._state.is_in_map
 
     @property
     def is_robot_elsewhere(self) -> bool:
-        """Whether the robot was put elsewhere, by jumps of odometry: nothing known holds then."""
+        """Tell whether jumps of odometry have put the robot elsewhere: nothing known holds."""
         return self._odometry_shift.is_robot_elsewhere
 
     @property
@@ -75,7 +75,7 @@ class Localization(ContactHypotheses):
 
     @property
     def odometry_inconsistency(self) -> Report[PerceptionEvent] | None:
-        """What is wrong with odometry by the contacts with the object; None where nothing is."""
+        """Inconsistency of odometry with the contacts; None where there is none."""
         scale = self.odometry_scale
         if abs(scale) <= UNLIKELY_SIGMAS * self._supervision.odometry_scale:
             return None
@@ -99,7 +99,7 @@ class Localization(ContactHypotheses):
             self._start_at(odometry)
             return None
         step = previous.pose.inverse() @ odometry.pose
-        covariance = self._supervision.believed_covariance(odometry)
+        covariance = self._supervision.assumed_covariance(odometry)
         self._error_growth = 1.0
         self._state.is_in_map = has_lasting_errors(covariance)
         if self._has_jumped:
@@ -114,7 +114,7 @@ class Localization(ContactHypotheses):
     def _start_at(self, odometry: Odometry) -> None:
         """Start where odometry has the robot, as well as it is localized."""
         self.predict(odometry)
-        covariance = self._supervision.believed_covariance(odometry)
+        covariance = self._supervision.assumed_covariance(odometry)
         if covariance is not None and has_lasting_errors(covariance):
             self._state.is_in_map = True
             self.inflate_covariance(covariance.position_deviation, covariance.heading_deviation)
@@ -126,7 +126,7 @@ class Localization(ContactHypotheses):
 
         :param odometry: ``Odometry``, finite; changes nothing where it drifts.
         """
-        covariance = self._supervision.believed_covariance(odometry)
+        covariance = self._supervision.assumed_covariance(odometry)
         if covariance is not None and self._error_growth < math.inf:
             self.update_robot(odometry.pose, self._error_growth * covariance.matrix)
 
@@ -159,7 +159,7 @@ class Localization(ContactHypotheses):
         :param is_certain: whether they are in contact for certain.
         """
         _, normal, gap = self._measured_contact(measured, obj, robot)
-        noise = self._control.believed_covariance(measured)
+        noise = self._control.assumed_covariance(measured)
         # Lever arm of the contact's normal, which leads through the robot's centre, about the
         # origin of the object, whose heading is noisy.
         robot_pose = self.pose_at(measured.time)

@@ -107,17 +107,17 @@ class LostRobotMonitor:
 
     @property
     def is_lost(self) -> bool:
-        """Whether pushes without effect have shown that the robot is elsewhere."""
+        """Tell whether pushes without effect have shown that the robot is elsewhere."""
         return self._contacts.pushes_without_effect >= MAX_PUSHES_WITHOUT_EFFECT
 
     @property
     def is_refuted(self) -> bool:
-        """Whether contacts have shown that robot and object are not where they seem to be."""
+        """Tell whether contacts have shown that robot and object are not where they seem to be."""
         return self._contacts.is_refuting
 
     @property
     def is_object_unyielding(self) -> bool:
-        """Whether a robot of which nothing says that it is elsewhere has pushed, to no effect."""
+        """Tell whether a robot that seems to be where it should has pushed without effect."""
         return (self._is_undisturbed and not self._have_poses_jumped
                 and self._is_surely_without_effect)
 
@@ -131,7 +131,7 @@ class LostRobotMonitor:
 
     @property
     def inconsistency(self) -> Report[PerceptionEvent] | None:
-        """What contacts show of object poses, or of the robot; None where all fits."""
+        """Inconsistency of object poses or robot with the contacts; None where all fits."""
         contacts, shift = self._contacts.inconsistency, self._displacements.shift
         if contacts is None:
             return None

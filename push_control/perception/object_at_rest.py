@@ -119,7 +119,7 @@ class StationarityWindow:
         self._are_outliers.append(is_outlier)
         if is_outlier and sum(self._are_outliers) <= MAX_OUTLIER_RATIO * len(self._latest):
             return
-        noise = self._control.believed_covariance(measured)
+        noise = self._control.assumed_covariance(measured)
         position_std, heading_std = noise.position_deviation, noise.heading_deviation
         gate, pose = self._supervision.motion_gate_sigmas, measured.pose
         before = None if self._average is None else self._average.pose
@@ -136,7 +136,7 @@ class StationarityWindow:
 
     @property
     def repeats_pose(self) -> bool:
-        """Whether the last poses are one, to the last digit."""
+        """Tell whether the last poses are one, to the last digit."""
         return (len(self._latest) == NOISE_POSES
                 and len({measured.pose for measured in self._latest}) == 1)
 
@@ -161,7 +161,7 @@ class StationarityWindow:
             return PerceptionEvent.OBJECT_MOVES.report(
                 speed=math.hypot(shift[0], shift[1]) / duration,
                 yaw_rate=math.degrees(shift[2]) / duration)
-        stated = self._control.believed_covariance(self._latest[-1])
+        stated = self._control.assumed_covariance(self._latest[-1])
         values = {'position': 1e3 * position, 'heading': math.degrees(heading)}
         if max(position / stated.position_deviation,
                heading / stated.heading_deviation) < NOISY_RATIO:
@@ -247,7 +247,7 @@ def has_moved(before: Pose, pose: Pose, settings: SupervisionSettings,
 
 class TapMotion(NamedTuple):
     """
-    How the point that was tapped has moved, beside the direction in which the robot has.
+    Motion of the point that was tapped, beside the direction of the robot's motion.
 
     :param lateral_excess: distance by which it has moved further to the side than forward [m].
     :param std: standard deviation of that [m].

@@ -2,7 +2,7 @@
 
 import math
 
-from push_base.base_model import BaseModel, MotionAhead
+from push_base.base_model import BaseModel, PredictedMotion
 from push_control.events import PerceptionEvent
 from push_control.perception.contact_consistency import Touch
 from push_control.perception.localization import Localization
@@ -107,7 +107,7 @@ class TaskPerception(RawPerception):
 
     @property
     def _last_object_pose(self) -> Pose | None:
-        """Where the object was seen last; while nothing is seen, where it is expected."""
+        """Pose of the object when last seen; while it is not seen, the expected one."""
         if self._accepted is None:
             return None
         return self.localization.object_pose if self.is_blind else self._accepted.pose
@@ -155,12 +155,12 @@ class TaskPerception(RawPerception):
 
     @property
     def has_limited_view(self) -> bool:
-        """Whether there are places from which the object is not seen."""
+        """Tell whether there are places from which the object is not seen."""
         return self.view.is_limited
 
     @property
     def expects_pose(self) -> bool:
-        """Whether the robot is estimated to be where poses of the object have to come."""
+        """Tell whether the robot is estimated to be where poses of the object have to come."""
         localization = self.localization
         if not (localization.is_initialized and localization.has_object):
             return False
@@ -171,19 +171,19 @@ class TaskPerception(RawPerception):
 
     @property
     def is_blind(self) -> bool:
-        """Whether no object poses come, as was to be expected lately."""
+        """Tell whether no object poses come, as was to be expected lately."""
         timeout = self._control.pose_timeout
         return (self.has_limited_view and timeout < self.pose_age < math.inf
                 and self.time - self._unexpected_at <= timeout + RETURN_TIME)
 
     @property
     def has_fresh_pose(self) -> bool:
-        """Whether poses of the object come."""
+        """Tell whether poses of the object come."""
         return self.pose_age <= max(PRESENT_TIME, self._control.pose_timeout)
 
     @property
     def sees_object_at_rest(self) -> bool:
-        """Whether poses come that show the object at rest."""
+        """Tell whether poses come that show the object at rest."""
         average = self._window.object_at_rest
         return average is not None and self.has_fresh_pose and average.duration >= SEEN_TIME
 
@@ -213,7 +213,7 @@ class TaskPerception(RawPerception):
 
     @property
     def is_localized(self) -> bool:
-        """Whether it is known where the robot is."""
+        """Tell whether it is known where the robot is."""
         return self.localization.is_initialized
 
     @property
@@ -232,16 +232,16 @@ class TaskPerception(RawPerception):
             self.localization.take_over_robot(previous.localization)
 
     @property
-    def motion_ahead(self) -> MotionAhead:
-        """``MotionAhead`` of the robot within its dead time."""
-        return self.base.ahead(self.observation.odometry.twist, self.time)
+    def predicted_motion(self) -> PredictedMotion:
+        """``PredictedMotion`` of the robot within its dead time."""
+        return self.base.predict(self.observation.odometry.twist, self.time)
 
     @property
-    def pose_ahead(self) -> Pose | None:
+    def predicted_pose(self) -> Pose | None:
         """``Pose`` of the robot a dead time and a lag ahead; None where it has no dead time."""
         if self.base.dead_time == 0.0:
             return None
-        lag, (displacement, velocity) = self._time_constant, self.motion_ahead
+        lag, (displacement, velocity) = self._time_constant, self.predicted_motion
         x, y, theta = self.robot_pose @ displacement
         rotation = lag * velocity.omega
         v_x, v_y = Pose(0.0, 0.0, theta + 0.5 * rotation).rotate(velocity[:2])
@@ -253,12 +253,12 @@ class TaskPerception(RawPerception):
 
     @property
     def is_robot_measured(self) -> bool:
-        """Whether odometry measures the robot in the world, so that its place does not drift."""
+        """Tell whether odometry measures the robot in the world, without drift."""
         return self.localization.is_robot_measured
 
     @property
     def is_robot_elsewhere(self) -> bool:
-        """Whether the robot was put elsewhere, by jumps of odometry: nothing known holds then."""
+        """Tell whether jumps of odometry have put the robot elsewhere: nothing known holds."""
         return self.localization.is_robot_elsewhere
 
     @property
@@ -268,7 +268,7 @@ class TaskPerception(RawPerception):
 
     @property
     def odometry_inconsistency(self) -> Report[PerceptionEvent] | None:
-        """What is wrong with odometry by the contacts with the object; None where nothing is."""
+        """Inconsistency of odometry with the contacts; None where there is none."""
         return self.localization.odometry_inconsistency
 
     @property
@@ -318,7 +318,7 @@ class TaskPerception(RawPerception):
 
     @property
     def has_object_at_rest(self) -> bool:
-        """Whether the object was measured since it may be at rest."""
+        """Tell whether the object was measured since it may be at rest."""
         return self._window.object_at_rest is not None
 
     @property
@@ -383,34 +383,34 @@ class TaskPerception(RawPerception):
 
     @property
     def repeats_pose(self) -> bool:
-        """Whether the last object poses are one, to the last digit."""
+        """Tell whether the last object poses are one, to the last digit."""
         return self._window.repeats_pose and not self.is_blind
 
     # Is the robot where it is localized?
 
     @property
     def pose_inconsistency(self) -> Report[PerceptionEvent] | None:
-        """What contacts show of object poses, or of the robot; None where all fits."""
+        """Inconsistency of object poses or robot with the contacts; None where all fits."""
         return self._monitor.inconsistency
 
     @property
     def is_refuted(self) -> bool:
-        """Whether contacts have shown that robot and object are not where they seem to be."""
+        """Tell whether contacts have shown that robot and object are not where they seem to be."""
         return self._monitor.is_refuted
 
     @property
     def is_object_unyielding(self) -> bool:
-        """Whether a robot of which nothing says that it is elsewhere has pushed, to no effect."""
+        """Tell whether a robot that seems to be where it should has pushed without effect."""
         return self._monitor.is_object_unyielding
 
     @property
     def is_lost(self) -> bool:
-        """Whether pushes without effect have shown that the robot is elsewhere."""
+        """Tell whether pushes without effect have shown that the robot is elsewhere."""
         return self._monitor.is_lost
 
     @property
     def was_displaced(self) -> bool:
-        """Whether the object has lately moved further than the robot can have pushed it."""
+        """Tell whether the object has lately moved further than the robot can have pushed it."""
         return self._monitor.was_displaced(self.time)
 
     def forget_contacts(self) -> None:

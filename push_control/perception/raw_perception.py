@@ -102,12 +102,12 @@ class RawPerception:
 
     @property
     def has_limited_view(self) -> bool:
-        """Whether there are places from which the object is not seen."""
+        """Tell whether there are places from which the object is not seen."""
         return False
 
     @property
     def is_blind(self) -> bool:
-        """Whether no object poses come, as was to be expected."""
+        """Tell whether no object poses come, as was to be expected."""
         return False
 
     @property
@@ -124,7 +124,7 @@ class RawPerception:
 
     @property
     def is_localized(self) -> bool:
-        """Whether it is known where the robot is."""
+        """Tell whether it is known where the robot is."""
         return self._observation is not None
 
     @property
@@ -133,13 +133,13 @@ class RawPerception:
         return self.observation.odometry.pose
 
     @property
-    def pose_ahead(self) -> Pose | None:
+    def predicted_pose(self) -> Pose | None:
         """``Pose`` of the robot a dead time and a lag ahead; None where it has no dead time."""
         return None
 
     @property
     def base_knowledge(self) -> BaseKnowledge | None:
-        """What is known of the base by now; None for as stated."""
+        """Knowledge of the base by now; None for as stated."""
         return None if self._observation is None else self._observation.base
 
     def limited(self, robot: RoundRobot) -> RoundRobot:
@@ -175,22 +175,22 @@ class RawPerception:
 
     @property
     def is_robot_elsewhere(self) -> bool:
-        """Whether the robot was put elsewhere, by jumps of odometry: nothing known holds then."""
+        """Tell whether jumps of odometry have put the robot elsewhere: nothing known holds."""
         return False
 
     @property
     def repeats_pose(self) -> bool:
-        """Whether the last object poses are one, to the last digit."""
+        """Tell whether the last object poses are one, to the last digit."""
         return False
 
     @property
     def is_object_unyielding(self) -> bool:
-        """Whether a push to no effect has shown that the object does not yield."""
+        """Tell whether a push to no effect has shown that the object does not yield."""
         return False
 
     @property
     def pose_inconsistency(self) -> Report[PerceptionEvent] | None:
-        """What contacts show of object poses, or of the robot; None where all fits."""
+        """Inconsistency of object poses or robot with the contacts; None where all fits."""
         return None
 
     def start_from(self, knowledge: ObjectKnowledge) -> None:

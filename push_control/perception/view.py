@@ -18,7 +18,7 @@ MARGIN_SIGMAS = 2.0
 
 class View(NamedTuple):
     """
-    Where the object is seen from: everywhere, unless something is stated.
+    Poses from which the object is seen: all, unless something is stated.
 
     :param half_angle: greatest angle between the robot's heading and the origin of the object at
         which poses come [rad]; pi for all round.
@@ -37,7 +37,7 @@ class View(NamedTuple):
 
     @property
     def is_limited(self) -> bool:
-        """Whether there are places from which the object is not seen."""
+        """Tell whether there are places from which the object is not seen."""
         return self != View()
 
     def expects(self, robot: Pose, obj: Pose, gap: float, position_std: float = 0.0,

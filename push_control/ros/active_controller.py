@@ -223,7 +223,7 @@ class ActiveController:
 
     @property
     def _is_commanding(self) -> bool:
-        """Whether this node commands the base (a stop counts), and does not yield to others."""
+        """Tell whether this node commands the base (a stop counts), yielding to nobody."""
         return self.pursuit.is_commanding and not self._gate.yields
 
     def _answer_waiting(self) -> None:

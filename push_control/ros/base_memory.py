@@ -28,7 +28,7 @@ class BaseMemory:
         self._path = path
         self._key = robot_key(robot)
         # What is in the file, or could not be written there.
-        self._kept: BaseKnowledge | None = None
+        self._stored: BaseKnowledge | None = None
 
     def recall(self) -> tuple[BaseKnowledge | None, str]:
         """
@@ -45,10 +45,10 @@ class BaseMemory:
                 return None, ''
             if not isinstance(entry, dict):
                 raise ValueError(f'got {entry!r}, expected a mapping')
-            self._kept = BaseKnowledge.from_mapping(entry)
+            self._stored = BaseKnowledge.from_mapping(entry)
         except (OSError, ValueError, yaml.YAMLError) as error:
             return None, f'base_file: {self._path}: {error}; the base is learned again'
-        return self._kept, ''
+        return self._stored, ''
 
     def keep(self, knowledge: BaseKnowledge) -> str:
         """
@@ -56,9 +56,9 @@ class BaseMemory:
 
         :return: why it cannot be written, one sentence; empty where it can, or is kept already.
         """
-        if self._path is None or knowledge == self._kept:
+        if self._path is None or knowledge == self._stored:
             return ''
-        self._kept = knowledge
+        self._stored = knowledge
         try:
             entries = {**self._readable_entries(), self._key: knowledge.to_mapping()}
             write_whole(self._path, (HEADER + yaml.safe_dump(entries)).encode())

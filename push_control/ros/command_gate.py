@@ -32,7 +32,7 @@ MAX_REPETITIONS = 12
 
 class StampNews(NamedTuple):
     """
-    What the stamp of a measurement tells besides its time.
+    News in the stamp of a measurement, besides its time.
 
     :param went_back: whether everything before it is of another time, and is to be forgotten.
     :param has_gap: whether nothing had come for so long that messages may have been lost.
@@ -70,7 +70,7 @@ class CommandGate:
             self._layer.start_from(known)
         if fault:
             node.reporter.report(WARN, fault, always=True)
-        self._flip = 0.0
+        self._heading_jump = 0.0
         self._is_lockstep = parameters.options.lockstep
         self._watchdog = OdometryWatchdog(
             parameters.options.watchdog_timeout,
@@ -154,12 +154,12 @@ class CommandGate:
             interference = SafetyReason.COMMANDED_BY_OTHERS.report(others=others.names)
         self._layer.other_commanders = others.names
 
-        def decide(believed: Observation) -> Twist:
-            command = pursuit.step(believed, dt)
+        def decide(checked: Observation) -> Twist:
+            command = pursuit.step(checked, dt)
             return command if self._is_odometry_fresh else STOP
         command = self._layer.guard(observation, pursuit, decide, is_commanding=is_commanding,
                                     interference=interference)
-        self._warn_of_flip()
+        self._warn_of_heading_jump()
         if not is_commanding and is_at_rest(observation.odometry.twist):
             self.keep_base()
         return command
@@ -172,7 +172,7 @@ class CommandGate:
 
     @property
     def _is_odometry_fresh(self) -> bool:
-        """Whether a command may rest on odometry; in lockstep time waits for the answer."""
+        """Tell whether a command may rest on odometry; in lockstep time waits for the answer."""
         if self._is_lockstep:
             return self._repetitions < MAX_REPETITIONS
         return self.check_odometry().state is OdometryState.PRESENT
@@ -185,13 +185,13 @@ class CommandGate:
         """Expect poses of another object."""
         self._layer.set_object(obj)
 
-    def _warn_of_flip(self) -> None:
+    def _warn_of_heading_jump(self) -> None:
         """Log once that the tracker mistakes the heading."""
-        flip, before = self._layer.heading_jump, self._flip
-        self._flip = flip
-        if flip and not before:
+        jump, before = self._layer.heading_jump, self._heading_jump
+        self._heading_jump = jump
+        if jump and not before:
             self._node.get_logger().warning(
-                f'object_pose: its heading has jumped by {math.degrees(flip):.0f} deg, at which '
+                f'object_pose: its heading has jumped by {math.degrees(jump):.0f} deg, at which '
                 'the object looks the same: taken as a mistake of the tracker '
                 '(control.heading_count)')
 

@@ -40,12 +40,12 @@ class CommandPublisher:
         self._is_stamped = options.enable_stamped_cmd_vel
         self._is_lockstep = options.lockstep
         self._publisher = node.publisher('cmd_vel', self._is_stamped)
-        self._zeros_left = 0
+        self._remaining_zeros = 0
 
     @property
     def is_silent(self) -> bool:
-        """Whether nothing is published until the robot is commanded again."""
-        return not self._zeros_left
+        """Tell whether nothing is published until the robot is commanded again."""
+        return not self._remaining_zeros
 
     def answer(self, twist: Twist, stamp: Time, *, is_commanding: bool) -> None:
         """
@@ -60,15 +60,15 @@ class CommandPublisher:
         elif is_commanding:
             if self.is_silent:
                 self._node.get_logger().debug('commands the robot')
-            self._zeros_left = STOP_COMMANDS
+            self._remaining_zeros = STOP_COMMANDS
             self._publish(twist, self._node.now())
         else:
             self.stop()
 
     def stop(self) -> None:
         """Publish one of the zeros that are left after the last command."""
-        if self._zeros_left:
-            self._zeros_left -= 1
+        if self._remaining_zeros:
+            self._remaining_zeros -= 1
             self._publish(STOP, self._node.now())
             if self.is_silent:
                 self._node.get_logger().debug('commands the robot no more')
@@ -76,7 +76,7 @@ class CommandPublisher:
     def flush(self) -> None:
         """Publish all zeros that are left, and wait until the last one is acknowledged."""
         if self._is_lockstep:
-            self._zeros_left = 1
+            self._remaining_zeros = 1
         while not self.is_silent:
             self.stop()
         self._publisher.wait_for_all_acked(Duration(seconds=FLUSH_TIMEOUT))

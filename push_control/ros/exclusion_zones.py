@@ -37,7 +37,7 @@ Outline = tuple[tuple[float, float], ...]
 
 
 class Call(enum.Enum):
-    """What a source is asked for."""
+    """Call of a source."""
 
     ADD = enum.auto()
     REMOVE = enum.auto()
@@ -68,7 +68,7 @@ class SourceZone:
 
     @property
     def is_settled(self) -> bool:
-        """Whether the source is known to have the zone that is wanted, or none."""
+        """Tell whether the source is known to have the zone that is wanted, or none."""
         return self._is_known and self._pending is None and self._present == self._requested
 
     @property
@@ -141,7 +141,7 @@ class ExclusionZones:
     def __init__(self, node: PushNode, settings: CollisionMonitorSettings, object_frame: str,
                  hidden_object: Callable[[], PushedObject | None]) -> None:
         """
-        Begin, and remove what a process before may have left.
+        Start, and remove zones that a previous process may have left.
 
         :param settings: ``CollisionMonitorSettings``; without a node there is nothing to do.
         :param object_frame: frame of the object on tf.

@@ -39,17 +39,17 @@ class LiveMap:
 
     @property
     def is_awaited(self) -> bool:
-        """Whether a map is needed, and none has come."""
+        """Tell whether a map is needed, and none has come."""
         return self._is_required and self._map is None
 
     @property
     def is_busy(self) -> bool:
-        """Whether a map is to be taken."""
+        """Tell whether a map is to be taken."""
         return self._reader.is_busy
 
     @property
     def clears_footprints(self) -> bool:
-        """Whether footprints are cleared at all."""
+        """Tell whether footprints are cleared at all."""
         return self._clearing.is_enabled
 
     @property

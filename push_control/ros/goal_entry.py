@@ -39,15 +39,15 @@ ABANDONED = {GoalOutcome.CANCELLED: TaskEvent.GOAL_CANCELLED.report(),
 
 class GoalFeedback(NamedTuple):
     """
-    How a goal is doing.
+    Feedback on a goal.
 
     :param elapsed_time: since the goal was taken [s].
-    :param time_left: until its time limit [s], infinite without one.
+    :param remaining_time: until its time limit [s], infinite without one.
     """
 
     progress: GoalProgress
     elapsed_time: float
-    time_left: float
+    remaining_time: float
 
 
 class GoalHandle:
@@ -130,7 +130,7 @@ class GoalEntry:
 
     @property
     def is_idle(self) -> bool:
-        """Whether there is no goal, and the robot stands."""
+        """Tell whether there is no goal, and the robot stands."""
         return self._current is None and self._next is None and not self._pursuit.is_commanding
 
     @property
@@ -158,7 +158,7 @@ class GoalEntry:
         self.start(PushGoal(goal.pose))
 
     def _is_pursued(self, pose: Pose) -> bool:
-        """Whether a goal is the present one, which some source repeats."""
+        """Tell whether a goal is the present one, which some source repeats."""
         current = self._current
         return (current is not None and current.pending_outcome is None and self._next is None
                 and self._pursuit.is_commanding and current.goal == PushGoal(pose))

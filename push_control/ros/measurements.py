@@ -53,7 +53,7 @@ class LatestMeasurements:
             self._add_pose(measured)
         else:
             self._unplaced = measured
-        self._place()
+        self._place_relative()
         return self.time - before
 
     def _add_odometry(self, odometry: Odometry) -> None:
@@ -69,7 +69,7 @@ class LatestMeasurements:
             self.object_pose = object_pose
         self.time = max(self.time, object_pose.time)
 
-    def _place(self) -> None:
+    def _place_relative(self) -> None:
         """Place the relative pose that waits, once there is odometry of its time."""
         relative, odometry = self._unplaced, self.odometry
         if relative is None or odometry is None or odometry.time < relative.time:
@@ -123,7 +123,7 @@ class CovarianceCheck:
 
 
 class OdometryState(enum.IntEnum):
-    """Whether odometry comes; the robot stands unless it does."""
+    """Tell whether odometry comes; the robot stands unless it does."""
 
     PRESENT = 0
     MISSING = 1
@@ -131,7 +131,7 @@ class OdometryState(enum.IntEnum):
 
 
 class _Arrival(NamedTuple):
-    """When odometry came: its stamp and the clock of the node [ns], and a steady clock [s]."""
+    """Arrival of odometry: its stamp and the clock of the node [ns], and a steady clock [s]."""
 
     stamp: int
     clock: int

@@ -1,4 +1,4 @@
-"""Whether somebody else commands the base: teleoperation, navigation, or another controller."""
+"""Other publishers of commands: teleoperation, navigation, or another controller."""
 
 from collections import deque
 import math
@@ -79,13 +79,13 @@ class OtherCommanders:
 
     @property
     def is_driving(self) -> bool:
-        """Whether one of them has commanded a motion a moment ago."""
+        """Tell whether one of them has commanded a motion a moment ago."""
         self._take()
         return time.monotonic() - self._driven_at < MEMORY
 
     @property
     def is_commanding(self) -> bool:
-        """Whether one of them has commanded the base a moment ago, if only to stand."""
+        """Tell whether one of them has commanded the base a moment ago, if only to stand."""
         self._take()
         return time.monotonic() - self._commanded_at < MEMORY
 

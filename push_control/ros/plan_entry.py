@@ -54,7 +54,7 @@ class PlanEntry:
 
     @property
     def accepts_unrequested(self) -> bool:
-        """Whether plans are driven that were not requested."""
+        """Tell whether plans are driven that were not requested."""
         options = self.parameters.options
         return options.accept_unrequested_plans and self._supervisor.keeps_plan
 
@@ -126,7 +126,7 @@ class PlanEntry:
 
     @property
     def _is_plan_old(self) -> bool:
-        """Whether a plan was latched before this node had measured anything."""
+        """Tell whether a plan was latched before this node had measured anything."""
         return self._first_time is not None and self._plan_stamp < self._first_time
 
     def forget_plan_age(self) -> None:

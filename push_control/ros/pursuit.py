@@ -74,12 +74,12 @@ class GoalPursuit:
 
     @property
     def is_started(self) -> bool:
-        """Whether the robot may move."""
+        """Tell whether the robot may move."""
         return self.start_state is StartState.STARTED
 
     @property
     def is_set(self) -> bool:
-        """Whether there is something to do."""
+        """Tell whether there is something to do."""
         return self._goal is not None or self._supervisor.has_stored_plan
 
     @property
@@ -91,32 +91,32 @@ class GoalPursuit:
 
     @property
     def is_commanding(self) -> bool:
-        """Whether it drives the robot, or holds it for a moment: then measurements must come."""
+        """Tell whether it drives or holds the robot, so that measurements must come."""
         return self.is_started and not self._supervisor.state.is_standing
 
     @property
     def awaits_resume(self) -> bool:
-        """Whether the robot stands until somebody lets it go on, by ``resume`` or a goal."""
+        """Tell whether the robot stands until somebody lets it go on, by ``resume`` or a goal."""
         return self._supervisor.awaits_resume
 
     @property
     def awaits_plan(self) -> bool:
-        """Whether nothing happens before the plan comes that was requested."""
+        """Tell whether nothing happens before the plan comes that was requested."""
         return self._supervisor.awaits_plan
 
     @property
     def has_open_request(self) -> bool:
-        """Whether the planner has not answered a request yet."""
+        """Tell whether the planner has not answered a request yet."""
         return self._supervisor.plan_request is not None
 
     @property
     def awaits_map(self) -> bool:
-        """Whether it needs a map, and none has come."""
+        """Tell whether it needs a map, and none has come."""
         return self._floor.is_awaited
 
     @property
     def progress(self) -> GoalProgress:
-        """How far the pursuit of the goal has come; errors are those of the last measured pose."""
+        """Progress of the pursuit of the goal; errors are those of the last measured pose."""
         if self._plans.refusal is not None:
             progress = GoalProgress(PushState.FAILED, self._plans.refusal, GoalOutcome.NO_PLAN)
         else:

@@ -12,10 +12,10 @@ from typing import Any, Callable, NamedTuple
 
 from builtin_interfaces.msg import Duration
 from push_control.goal import GoalOutcome, GoalProgress, PushGoal, PushState
+from push_control.remaining_time import RemainingTimeEstimator
 from push_control.ros.base_check import BaseFault
 from push_control.ros.goal_entry import GoalEntry, GoalHandle
 from push_control.task.code_text import code_names
-from push_control.time_left import TimeLeftEstimator
 from push_model.events import codes, sentence
 from push_model.parameters import PushedObject
 from push_model.signals import PoseDeviation
@@ -38,7 +38,7 @@ ERRORS = {GoalOutcome.REACHED: 'NONE', GoalOutcome.CANCELLED: 'INTERRUPTED',
 
 class GoalReceiver(NamedTuple):
     """
-    What becomes of a goal pose on its arrival in the world frame.
+    Receiver of a goal pose in the world frame.
 
     :param accept: takes the ``geometry_msgs/PoseStamped`` in the world frame.
     :param refuse: takes the ``MessageRefused`` and the message as it came.
@@ -50,7 +50,7 @@ class GoalReceiver(NamedTuple):
 
 class ObjectSelector(NamedTuple):
     """
-    How a goal for another object is served.
+    Selector of the object that a goal names.
 
     :param find: takes a name, and returns the nominal ``PushedObject``; raises ValueError.
     :param use: takes both, and makes this the object that is pushed; the robot stands.
@@ -117,7 +117,7 @@ class PushActionServer:
         :param name: its name, or empty.
         """
         self._object_name = name
-        self._time_left = TimeLeftEstimator(obj)
+        self._remaining_time = RemainingTimeEstimator(obj)
         # The next status names it.
         self._last_state = None
 
@@ -144,11 +144,11 @@ class PushActionServer:
         self._status_publisher.publish(status)
         if self._current is None or not math.isfinite(progress.position_error):
             return
-        time_left = self._time_left.estimate(feedback.elapsed_time, progress.position_error,
-                                             progress.heading_error)
+        remaining_time = self._remaining_time.estimate(
+            feedback.elapsed_time, progress.position_error, progress.heading_error)
         self._current.publish_feedback(self._interfaces.action.Feedback(
             status=status, elapsed_time=to_stamp(feedback.elapsed_time, Duration),
-            estimated_time_remaining=to_stamp(time_left, Duration)))
+            estimated_time_remaining=to_stamp(remaining_time, Duration)))
 
     def _answer_goal(self, _: Any) -> GoalResponse:
         if self._is_active():
@@ -157,7 +157,7 @@ class PushActionServer:
         return GoalResponse.REJECT
 
     def _on_goal(self, handle: ServerGoalHandle) -> None:
-        """Begin with a goal, once its pose is in the world frame and the base is ready."""
+        """Start with a goal, once its pose is in the world frame and the base is ready."""
         handle.execute()
         request = handle.request
 
@@ -166,9 +166,9 @@ class PushActionServer:
             self._finish(handle, code, reason, self._unmeasured_result())
 
         def accept(message: Any) -> None:
-            self._check_base(lambda fault: begin(message, fault))
+            self._check_base(lambda fault: start(message, fault))
 
-        def begin(message: Any, fault: BaseFault | None) -> None:
+        def start(message: Any, fault: BaseFault | None) -> None:
             if not handle.is_active:
                 return
             if fault is None:
@@ -213,7 +213,7 @@ class PushActionServer:
             refuse('INVALID_GOAL', str(error))
             return
         self._goals.start(goal, lambda ended: self._on_end(handle, ended), prepare)
-        self._time_left.reset()
+        self._remaining_time.reset()
         self._current = handle
 
     def _preparation(self, name: str) -> Callable[[], None] | None:

@@ -48,7 +48,7 @@ class EstimatedScene(NamedTuple):
 
 
 class _Output(NamedTuple):
-    """What is published now and then, how often, and where."""
+    """Output that is published now and then, its period and topic."""
 
     publish: Callable[[EstimatedScene, Time], None]
     limiter: RateLimiter

@@ -1,4 +1,4 @@
-"""Whether the robot may move: what the services of the controller's node have decided."""
+"""Permission to move: what the services of the controller's node have decided."""
 
 import enum
 

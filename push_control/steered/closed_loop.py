@@ -36,7 +36,7 @@ FLOOR_SPACING = 0.1
 
 class _Target(NamedTuple):
     """
-    What is followed at present.
+    Plan that is followed at present.
 
     :param goal: ``Pose`` of the object in the world.
     :param max_speed: of the contact [m/s].
@@ -52,7 +52,7 @@ class _Target(NamedTuple):
 
 class _Motion(NamedTuple):
     """
-    What was commanded last.
+    Motion that was commanded last.
 
     :param curvature: of z [1/m], or None where the law starts afresh.
     :param elapsed: time since the robot set out [s].
@@ -66,7 +66,7 @@ class _Motion(NamedTuple):
 
 class _Outcome(NamedTuple):
     """
-    How the push has ended, if it has.
+    Outcome of the push, if it has ended.
 
     :param is_finished: whether the object is at its goal.
     :param failure: ``EventReport``, or None.
@@ -84,7 +84,7 @@ class ClosedLoopPush(PushExecution):
     def __init__(self, obj: PushedObject, robot: RoundRobot, settings: ControlSettings,
                  law: SteeringLaw, target: PushTrajectory, observation: Observation):
         """
-        Begin a push.
+        Start a push.
 
         :param law: the ``SteeringLaw``; it is reset.
         :param observation: first ``Observation``, with an object pose.
@@ -138,7 +138,7 @@ class ClosedLoopPush(PushExecution):
         failure is final.
         """
         site = self._model.initial_site(target)
-        shift = self._model.ahead.pose.inverse() @ Pose(*target.object_poses[0].tolist())
+        shift = self._model.predicted.pose.inverse() @ Pose(*target.object_poses[0].tolist())
         if (observation.time < self._tracker.last_odometry.time
                 or not self._tracker.site.is_same_push(site, shift)):
             return False
@@ -170,7 +170,7 @@ class ClosedLoopPush(PushExecution):
         self._retry(target, failure)
 
     def _has_goal_of(self, target: PushTrajectory) -> bool:
-        """Whether a target ends where the present one does."""
+        """Tell whether a target ends where the present one does."""
         return self._settings.tolerances.contain(Pose(*target.object_poses[-1].tolist()),
                                                  self._target.goal)
 
@@ -202,14 +202,14 @@ class ClosedLoopPush(PushExecution):
 
     def advance(self, time: float, dt: float) -> Twist:
         """Compute the command."""
-        is_kept = self._look(time)
+        keeps_path = self._look(time)
         projection = self._projection = self._guidance.last_projection
         if self.finished:
             command = STOP
         elif self._tracker.is_contact_lost:
             command = self._close_gap(dt)
         else:
-            projection = self._projection = self._update_path(projection, is_kept, dt)
+            projection = self._projection = self._update_path(projection, keeps_path, dt)
             self._check_bounds(projection.remaining_distance, dt)
             is_finished, failure, _ = self._outcome
             has_ended = is_finished or failure is not None
@@ -226,7 +226,7 @@ class ClosedLoopPush(PushExecution):
 
     @property
     def finished(self) -> bool:
-        """Whether the object is at its goal."""
+        """Tell whether the object is at its goal."""
         return self._outcome.is_finished
 
     @property
@@ -236,12 +236,12 @@ class ClosedLoopPush(PushExecution):
 
     @property
     def replan_requested(self) -> bool:
-        """Whether it has failed where another plan may bring the object to its goal."""
+        """Tell whether it has failed where another plan may bring the object to its goal."""
         return self.failure is not None and self._outcome.may_replan
 
     @property
     def notice(self) -> EventReport | None:
-        """What is out of the ordinary while the push goes on, or None."""
+        """Notice of an event while the push goes on, or None."""
         return self._tracker.detector.notice
 
     @property
@@ -251,7 +251,7 @@ class ClosedLoopPush(PushExecution):
 
     def status(self, phase: Phase, event: EventReport | None) -> ControllerStatus:
         """Describe the push."""
-        state, projection, guidance = self._model.ahead, self._projection, self._guidance
+        state, projection, guidance = self._model.predicted, self._projection, self._guidance
         position_error, heading_error = self._errors
         return ControllerStatus(
             phase=phase, reason=sentence(event), event=None if event is None else event.code,
@@ -285,11 +285,11 @@ class ClosedLoopPush(PushExecution):
             return STOP
         return self._model.approach()
 
-    def _update_path(self, projection: PathProjection, is_kept: bool,
+    def _update_path(self, projection: PathProjection, keeps_path: bool,
                      dt: float) -> PathProjection:
         """Keep the path or replace it, and end the push at its end."""
         guidance, travelled = self._guidance, self.travelled_distance
-        if guidance.is_due(projection.remaining_distance, is_kept, travelled, dt):
+        if guidance.is_due(projection.remaining_distance, keeps_path, travelled, dt):
             reapproaches = guidance.reapproaches
             projection = guidance.update(self._model.flat_output, projection, self._draw_path)
             if guidance.reapproaches > reapproaches:
@@ -324,7 +324,7 @@ class ClosedLoopPush(PushExecution):
         return path if is_allowed else None
 
     def _keeps_to_bounds(self, length: float, positions: FloatArray) -> bool:
-        """Whether a path from here keeps to what the first plan needed, and some more."""
+        """Tell whether a path from here keeps to what the first plan needed, and some more."""
         return (self._bounded_distance + length <= self._bounds.max_length
                 and self._bounds.is_on_floor(positions))
 
@@ -343,7 +343,7 @@ class ClosedLoopPush(PushExecution):
     @property
     def _errors(self) -> tuple[float, float]:
         """Distance of the object from its goal [m], and heading error [rad]."""
-        state, goal = self._model.ahead, self._target.goal
+        state, goal = self._model.predicted, self._target.goal
         return (math.hypot(state.x - goal.x, state.y - goal.y),
                 wrap_angle(state.theta - goal.theta))
 
@@ -351,7 +351,7 @@ class ClosedLoopPush(PushExecution):
         """Abort a push that takes more floor, length or time than its plan stands for."""
         if self._outcome.is_finished or self._outcome.failure is not None:
             return
-        state = self._model.ahead
+        state = self._model.predicted
         excess = self._bounds.check((state.x, state.y), self._bounded_distance,
                                     remaining_distance, dt)
         if excess is not None:

@@ -13,11 +13,12 @@ from push_control.steered.laws.contact_steering import SteeringCommand
 from push_control.steered.path.guidance import Guidance
 from push_control.steered.path.path import CurvatureLimits
 from push_control.steered.step_kernel import (
-    AHEAD, ANGLE, ARM, C_SQUARED, CENTER_AT_CONTACT, COMMAND, CONE_ANGLE, CONTACT,
-    CONTACT_HEIGHT, COVARIANCE, EXPECTED, FEEDBACK_FRACTION, FLAT_AHEAD, FLAT_NOW, FORCES, GOAL,
-    INTERVAL, IS_DIFFERENTIAL, LIMITS_NOW, MAX_ERRORS, MAX_SPEED, MAX_YAW_RATE, NORMAL_NOW,
-    NOT_FINITE, NOW, PATH_HOLDS, PUSH_SIZE, ROLLING_GAIN, START_SPEED, STEP_SIZE, TIME_CONSTANT,
-    ZETA, ZETA_HIGH, ZETA_LOW, ZETA_REST)
+    ANGLE, ARM, C_SQUARED, CENTER_AT_CONTACT, COMMAND, CONE_ANGLE, CONTACT, CONTACT_HEIGHT,
+    COVARIANCE, EXPECTED, FEEDBACK_FRACTION, FLAT_NOW, FLAT_PREDICTED, FORCES, GOAL, INTERVAL,
+    IS_DIFFERENTIAL, LIMITS_NOW, MAX_ERRORS, MAX_SPEED, MAX_YAW_RATE, NORMAL_NOW, NOT_FINITE,
+    NOW, PATH_HOLDS, PREDICTED, PUSH_SIZE, ROLLING_GAIN, START_SPEED, STEP_SIZE,
+    TIME_CONSTANT, ZETA, ZETA_HIGH, ZETA_LOW, ZETA_REST,
+)
 from push_dynamics.compiled import array_view, interpreted
 from push_model.friction import friction_covariance, has_heights
 from push_model.geometry import FloatArray, Pose
@@ -114,8 +115,8 @@ class ContactModel:
         if outcome == NOT_FINITE:
             raise ValueError(f'state: got {self._step[NOW:NORMAL_NOW]}, expected finite numbers')
         if outcome == CENTER_AT_CONTACT:
-            raise ValueError(f'center: got {self.ahead.center}, the point of contact, expected a '
-                             'point apart from it')
+            raise ValueError(f'center: got {self.predicted.center}, the point of contact, '
+                             'expected a point apart from it')
         return outcome == PATH_HOLDS
 
     def stop(self) -> None:
@@ -123,9 +124,9 @@ class ContactModel:
         self._step[COMMAND:EXPECTED] = 0.0
 
     @property
-    def ahead(self) -> MotionState:
+    def predicted(self) -> MotionState:
         """``MotionState`` one drive lag ahead."""
-        return MotionState(*self._step[AHEAD:NORMAL_NOW].tolist())
+        return MotionState(*self._step[PREDICTED:NORMAL_NOW].tolist())
 
     @property
     def vehicle(self) -> Vehicle:
@@ -144,7 +145,7 @@ class ContactModel:
     def flat_output(self) -> Pose:
         """The same one drive lag ahead."""
         view = self._view
-        return Pose(view[FLAT_AHEAD], view[FLAT_AHEAD + 1], view[FLAT_AHEAD + 2])
+        return Pose(view[FLAT_PREDICTED], view[FLAT_PREDICTED + 1], view[FLAT_PREDICTED + 2])
 
     @property
     def limits_now(self) -> CurvatureLimits:
@@ -158,7 +159,7 @@ class ContactModel:
 
     @property
     def zeta_rest(self) -> float:
-        """Where zeta comes to rest on a straight path [rad]."""
+        """Equilibrium of zeta on a straight path [rad]."""
         return self._view[ZETA_REST]
 
     @property
@@ -199,4 +200,4 @@ class ContactModel:
 
     def center_error_ratio(self) -> float:
         """Distance of the centre of friction from its nominal place, over that to the contact."""
-        return math.dist(self.ahead.center, self.center) / self.nominal.arm
+        return math.dist(self.predicted.center, self.center) / self.nominal.arm

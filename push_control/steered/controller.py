@@ -31,7 +31,7 @@ MAX_SAFETY_STOPS = 3
 
 
 class _State(NamedTuple):
-    """What the controller does, and what is out of the ordinary."""
+    """State of the controller, and its notice."""
 
     phase: Phase = Phase.IDLE
     event: EventReport | None = None
@@ -104,13 +104,13 @@ class Controller:
 
     @property
     def awaits_resume(self) -> bool:
-        """Whether the robot stands until ``resume``."""
+        """Tell whether the robot stands until ``resume``."""
         stop = self._stop.report
         return stop is not None and stop.code.awaits_resume and not self.phase.has_ended
 
     @property
     def replan_requested(self) -> bool:
-        """Whether the push has failed where another plan may bring the object to its goal."""
+        """Tell whether the push has failed where another plan may bring the object to its goal."""
         return self._push is not None and self._push.replan_requested
 
     @property

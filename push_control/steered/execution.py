@@ -15,7 +15,7 @@ class PushExecution(abc.ABC):
     @property
     @abc.abstractmethod
     def finished(self) -> bool:
-        """Whether the push has come to its end."""
+        """Tell whether the push has come to its end."""
 
     @property
     def failure(self) -> EventReport | None:
@@ -24,12 +24,12 @@ class PushExecution(abc.ABC):
 
     @property
     def notice(self) -> EventReport | None:
-        """What is out of the ordinary while the push goes on, or None."""
+        """Notice of an event while the push goes on, or None."""
         return None
 
     @property
     def replan_requested(self) -> bool:
-        """Whether it has failed where another plan may bring the object to its goal."""
+        """Tell whether it has failed where another plan may bring the object to its goal."""
         return False
 
     def pose_fault(self, time: float) -> EventReport | None:

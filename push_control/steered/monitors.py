@@ -52,7 +52,7 @@ def jackknife_fault(mode: int) -> EventReport | None:
 
 
 class _Sample(NamedTuple):
-    """Where the contact was seen after some path length of the robot."""
+    """Sample of the contact after some path length of the robot."""
 
     travelled_distance: float
     contact: Coordinates
@@ -67,7 +67,7 @@ class FollowMonitor:
     """
 
     def __init__(self, settings: ControlSettings):
-        """Begin without samples."""
+        """Start without samples."""
         self._window = settings.follow_window
         self._ratio = settings.follow_ratio
         self._samples: deque[_Sample] = deque()
@@ -95,7 +95,7 @@ class OneSidedMonitor:
     """Detects a contact that can rotate the object to one side only, for too long."""
 
     def __init__(self, settings: ControlSettings):
-        """Begin with a contact that can rotate it to both sides."""
+        """Start with a contact that can rotate it to both sides."""
         self._max_distance = settings.one_sided_distance
         self._last_two_sided = 0.0
 

@@ -20,7 +20,7 @@ class OpenLoopPush(PushExecution):
     """Plays the planned robot motion in the robot's own axes, slowed down at both ends."""
 
     def __init__(self, robot: RoundRobot, settings: ControlSettings, target: PushTrajectory):
-        """Begin at the start of the plan."""
+        """Start at the start of the plan."""
         self._is_differential = robot.drive == 'differential'
         self._settings = settings
         self._target = target
@@ -76,7 +76,7 @@ class OpenLoopPush(PushExecution):
 
     @property
     def finished(self) -> bool:
-        """Whether the plan has been played to its end."""
+        """Tell whether the plan has been played to its end."""
         return self._plan_time >= self._target.duration
 
     def _planned_twist(self, rate: float) -> Twist:

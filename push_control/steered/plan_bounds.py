@@ -24,7 +24,7 @@ STALL_TIME = 20.0
 
 class PlanBounds:
     """
-    What a push may take of floor, length and time, as the plan for its goal needed it.
+    Bounds of floor, length and time of a push, as the plan for its goal needed them.
 
     Neither new paths nor plans that the push itself asks for widen these bounds.
     """

@@ -29,9 +29,9 @@ SPACING_RATIO = 0.5
 MAX_POSITIONS = 10_000
 
 
-class Place(NamedTuple):
+class PoseRegion(NamedTuple):
     """
-    Where the object should be.
+    Region of poses in which the object should be.
 
     :param pose: ``Pose`` of the object.
     :param max_distance: distance up to which a pose counts as there [m].
@@ -50,21 +50,21 @@ class Place(NamedTuple):
 
 class ExpectedEnds(NamedTuple):
     """
-    Where a plan has to start and to end.
+    Ends that a plan has to have.
 
-    :param starts: each ``Place`` at which it may start; empty where that is not known.
-    :param goal: ``Place`` of the goal; None where that is not known.
+    :param starts: each ``PoseRegion`` in which it may start; empty where that is not known.
+    :param goal: ``PoseRegion`` of the goal; None where that is not known.
     :param is_last: whether the push has to end at the goal; other pushes follow otherwise.
     """
 
-    starts: tuple[Place, ...] = ()
-    goal: Place | None = None
+    starts: tuple[PoseRegion, ...] = ()
+    goal: PoseRegion | None = None
     is_last: bool = True
 
 
 class ExpectedPush(NamedTuple):
     """
-    What a plan has to do.
+    Push that a plan has to make.
 
     :param obj: the ``PushedObject``.
     :param robot: the ``RoundRobot``.
@@ -97,7 +97,7 @@ def check_plan(plan: PushTrajectory, expected: ExpectedPush) -> None:
 
 def _check_ends(plan: PushTrajectory, ends: ExpectedEnds, obj: PushedObject) -> None:
     start, end = (Pose(*plan.object_poses[sample].tolist()) for sample in (0, -1))
-    if ends.starts and not any(place.contains(start) for place in ends.starts):
+    if ends.starts and not any(region.contains(start) for region in ends.starts):
         raise ValueError('the plan starts where the object is not: '
                          + _offset_text(start, ends.starts[-1]))
     goal = ends.goal
@@ -130,11 +130,11 @@ def check_length(plan: PushTrajectory, expected: ExpectedPush) -> None:
                              f'most {limit:.1f} m for a goal {direct:.2f} m away')
 
 
-def _offset_text(pose: Pose, place: Place) -> str:
-    rotation = abs(wrap_angle(pose.theta - place.pose.theta))
-    return (f'got {distance(place.pose, pose):.3f} m and {math.degrees(rotation):.1f} deg off, '
-            f'expected at most {place.max_distance:g} m and '
-            f'{math.degrees(place.max_rotation):.1f} deg')
+def _offset_text(pose: Pose, region: PoseRegion) -> str:
+    rotation = abs(wrap_angle(pose.theta - region.pose.theta))
+    return (f'got {distance(region.pose, pose):.3f} m and {math.degrees(rotation):.1f} deg off, '
+            f'expected at most {region.max_distance:g} m and '
+            f'{math.degrees(region.max_rotation):.1f} deg')
 
 
 def _check_speeds(plan: PushTrajectory, robot: RoundRobot) -> None:

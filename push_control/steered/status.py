@@ -10,7 +10,7 @@ from push_model.geometry import Pose
 
 
 class Phase(enum.Enum):
-    """What the controller does."""
+    """Phase of the controller."""
 
     IDLE = 'idle'
     PUSHING = 'pushing'
@@ -21,14 +21,14 @@ class Phase(enum.Enum):
 
     @property
     def has_ended(self) -> bool:
-        """Whether the push is over, for better or worse."""
+        """Tell whether the push is over, for better or worse."""
         return self in (Phase.DONE, Phase.FAILED)
 
 
 @dataclasses.dataclass(frozen=True)
 class ControllerStatus:
     """
-    What the controller does, and why; errors are those of its estimate.
+    Status of the controller, with its reason; errors are those of its estimate.
 
     :param phase: the ``Phase``.
     :param reason: one sentence on what is out of the ordinary, empty while all is well.

@@ -20,7 +20,7 @@ from push_control.steered.laws.command import mean_twist
 from push_control.steered.laws.contact_steering import (
     approach_command, curvature_limits, Steering, steering_command, zeta_at_rest, zeta_limits,
 )
-from push_control.steered.path.path import is_kept, write_projection
+from push_control.steered.path.path import keeps_path, write_projection
 from push_dynamics.compiled import compiled, wrap_angles
 from push_model import friction, quasi_static
 from push_model.friction import FrictionCovariance
@@ -56,24 +56,24 @@ PUSH_SIZE = FORCES + TABLE_SIZE
 
 # Step: ``PushState`` now, and one drive lag ahead, where the command takes effect.
 NOW = 0
-AHEAD = NOW + SIZE
+PREDICTED = NOW + SIZE
 # Step: angle of the contact normal in the object frame, now and ahead [rad].
-NORMAL_NOW = AHEAD + SIZE
-NORMAL_AHEAD = NORMAL_NOW + 1
+NORMAL_NOW = PREDICTED + SIZE
+NORMAL_PREDICTED = NORMAL_NOW + 1
 # Step: the object as ``Vehicle``, pushed at the contact ahead: C [m], r [m], angle of C->F [rad]
 # and c^2 [m^2].
-CONTACT = NORMAL_AHEAD + 1
+CONTACT = NORMAL_PREDICTED + 1
 ARM = CONTACT + 2
 ANGLE = ARM + 1
 C_SQUARED = ANGLE + 1
 # Step: z in its goal frame (x, y) [m], theta [rad], now and ahead.
 FLAT_NOW = C_SQUARED + 1
-FLAT_AHEAD = FLAT_NOW + 3
+FLAT_PREDICTED = FLAT_NOW + 3
 # Step: lowest and highest curvature of feedback, now and ahead [1/m].
-LIMITS_NOW = FLAT_AHEAD + 3
-LIMITS_AHEAD = LIMITS_NOW + 2
+LIMITS_NOW = FLAT_PREDICTED + 3
+LIMITS_PREDICTED = LIMITS_NOW + 2
 # Step: the ``Posture`` of the contact [rad].
-ZETA = LIMITS_AHEAD + 2
+ZETA = LIMITS_PREDICTED + 2
 ZETA_REST = ZETA + 1
 ZETA_LOW = ZETA + 2
 ZETA_HIGH = ZETA + 3
@@ -139,10 +139,10 @@ def look(push: Any, supports: Any, memory: Any, step: Any, rows: Any, projection
     observe(push, supports, memory, step)
     if not step[ARM] >= MIN_ARM:
         return CENTER_AT_CONTACT
-    write_projection(rows, step[FLAT_AHEAD], step[FLAT_AHEAD + 1], step[FLAT_AHEAD + 2],
-                     projection)
-    errors, limits = push[MAX_ERRORS:COVARIANCE], step[LIMITS_AHEAD:ZETA]
-    return PATH_HOLDS if is_kept(rows, projection, errors, limits) else PATH_IS_EXCEEDED
+    write_projection(rows, step[FLAT_PREDICTED], step[FLAT_PREDICTED + 1],
+                     step[FLAT_PREDICTED + 2], projection)
+    errors, limits = push[MAX_ERRORS:COVARIANCE], step[LIMITS_PREDICTED:ZETA]
+    return PATH_HOLDS if keeps_path(rows, projection, errors, limits) else PATH_IS_EXCEEDED
 
 
 @compiled
@@ -156,22 +156,22 @@ def observe(push: Any, supports: Any, memory: Any, step: Any) -> None:
     :param step: numbers of the step, both states of which are given, shape (``STEP_SIZE``,).
     """
     site = contact_site(memory)
-    now, ahead = push_state(step[NOW:AHEAD]), push_state(step[AHEAD:NORMAL_NOW])
-    frame = rolled_contact(site, ahead.phi - ahead.theta)
+    now, predicted = push_state(step[NOW:PREDICTED]), push_state(step[PREDICTED:NORMAL_NOW])
+    frame = rolled_contact(site, predicted.phi - predicted.theta)
     step[NORMAL_NOW] = rolled_contact(site, now.phi - now.theta).normal
-    step[NORMAL_AHEAD] = frame.normal
+    step[NORMAL_PREDICTED] = frame.normal
     step[CONTACT], step[CONTACT + 1] = frame.x, frame.y
-    step[ARM] = math.hypot(ahead.p_x - frame.x, ahead.p_y - frame.y)
-    step[ANGLE] = math.atan2(ahead.p_y - frame.y, ahead.p_x - frame.x)
+    step[ARM] = math.hypot(predicted.p_x - frame.x, predicted.p_y - frame.y)
+    step[ANGLE] = math.atan2(predicted.p_y - frame.y, predicted.p_x - frame.x)
     nominal = straight_c_squared(push, supports, step[ANGLE], step[ARM])
-    step[C_SQUARED] = math.exp(ahead.q) * nominal
+    step[C_SQUARED] = math.exp(predicted.q) * nominal
     vehicle = step_vehicle(step)
     goal = Pose(push[GOAL], push[GOAL + 1], push[GOAL + 2])
-    write_flat_output(vehicle, Pose(now.x, now.y, now.theta), goal, step[FLAT_NOW:FLAT_AHEAD])
-    write_flat_output(vehicle, Pose(ahead.x, ahead.y, ahead.theta), goal,
-                      step[FLAT_AHEAD:LIMITS_NOW])
+    write_flat_output(vehicle, Pose(now.x, now.y, now.theta), goal, step[FLAT_NOW:FLAT_PREDICTED])
+    write_flat_output(vehicle, Pose(predicted.x, predicted.y, predicted.theta), goal,
+                      step[FLAT_PREDICTED:LIMITS_NOW])
     steering, fraction = steering_of(push, memory), push[FEEDBACK_FRACTION]
-    for normal, limits in ((NORMAL_NOW, LIMITS_NOW), (NORMAL_AHEAD, LIMITS_AHEAD)):
+    for normal, limits in ((NORMAL_NOW, LIMITS_NOW), (NORMAL_PREDICTED, LIMITS_PREDICTED)):
         step[limits], step[limits + 1] = curvature_limits(steering, site, vehicle, step[normal],
                                                           fraction)
     normal = step[NORMAL_NOW]
@@ -231,7 +231,8 @@ def write_limits(push: Any, memory: Any, step: Any, cone_fraction: float, limits
     :param limits: lowest and highest curvature [1/m], are written, shape (2,).
     """
     limits[0], limits[1] = curvature_limits(steering_of(push, memory), contact_site(memory),
-                                            step_vehicle(step), step[NORMAL_AHEAD], cone_fraction)
+                                            step_vehicle(step), step[NORMAL_PREDICTED],
+                                            cone_fraction)
 
 
 @compiled
@@ -243,8 +244,8 @@ def write_approach(push: Any, memory: Any, step: Any) -> None:
     :param memory: of the filter.
     :param step: numbers of the step, observed; the command is written.
     """
-    command = approach_command(steering_of(push, memory), step[NORMAL_AHEAD],
-                               push_state(step[AHEAD:NORMAL_NOW]), push[START_SPEED])
+    command = approach_command(steering_of(push, memory), step[NORMAL_PREDICTED],
+                               push_state(step[PREDICTED:NORMAL_NOW]), push[START_SPEED])
     step[COMMAND], step[COMMAND + 1], step[COMMAND + 2] = command
 
 
@@ -261,7 +262,7 @@ def write_command(push: Any, memory: Any, step: Any, curvature: float, speed: fl
     :return: mode of ``monitors.jackknife_mode``.
     """
     command, mode = steering_command(steering_of(push, memory), contact_site(memory),
-                                     step_vehicle(step), push_state(step[AHEAD:NORMAL_NOW]),
+                                     step_vehicle(step), push_state(step[PREDICTED:NORMAL_NOW]),
                                      curvature, speed)
     step[COMMAND], step[COMMAND + 1], step[COMMAND + 2] = command
     return mode

@@ -23,7 +23,7 @@ class PushTracker:
     def __init__(self, motion: PushMotion, settings: ControlSettings, center: Coordinates,
                  pose: ObjectPose, odometry: Odometry):
         """
-        Begin in contact.
+        Start in contact.
 
         :param motion: ``PushMotion`` of the nominal object at its contact.
         :param center: nominal centre of friction, object frame (x, y) [m].
@@ -54,7 +54,7 @@ class PushTracker:
 
     @property
     def is_contact_lost(self) -> bool:
-        """Whether contact was detected to be lost."""
+        """Tell whether contact was detected to be lost."""
         return self.detector.state is ContactState.LOST
 
     @property
@@ -124,7 +124,7 @@ class PushTracker:
         state, site = self._estimator.state, self.site
         theta = state.theta + wrap_angle(pose.theta - state.theta)
         offset = site.offset(Pose(pose.x, pose.y, theta), state.phi, self._robot.center)
-        found = self.detector.update(offset, self.travelled_distance)
+        detected = self.detector.update(offset, self.travelled_distance)
         gamma = state.theta + site.contact_at(state.relative_heading).normal
-        self._robot = self._robot.corrected(found.drift, gamma)
-        self._estimator.set_contact(site.after_slip(found.slip), self.is_contact_lost)
+        self._robot = self._robot.corrected(detected.drift, gamma)
+        self._estimator.set_contact(site.after_slip(detected.slip), self.is_contact_lost)

@@ -87,7 +87,7 @@ class TaskExecution:
 
     @property
     def perception(self) -> RawPerception:
-        """What is known of robot and object: a ``TaskPerception`` in repeated pushes."""
+        """Perception of robot and object: a ``TaskPerception`` in repeated pushes."""
         return self._perception
 
     @property
@@ -144,7 +144,7 @@ class TaskExecution:
 
     @property
     def awaits_resume(self) -> bool:
-        """Whether the base was stopped, and the robot stands until ``resume`` or a goal."""
+        """Tell whether the base was stopped, and the robot stands until ``resume`` or a goal."""
         reason = self._stand_reason
         return self._behavior.awaits_resume or (
             reason is not None and reason.cause is StandCause.AWAITS_RESUME)
@@ -245,7 +245,7 @@ class TaskExecution:
 
     @property
     def _transitions(self) -> Transitions:
-        """Where the present state leads, in which the robot acts."""
+        """Transitions of the present state, in which the robot acts."""
         return self._machine.table.transitions[self.state]
 
     def _advance(self) -> None:
@@ -265,7 +265,7 @@ class TaskExecution:
 
     @property
     def _done_cause(self) -> AnyReport | None:
-        """What a task that is done does not know; None where the tolerances bound it."""
+        """Uncertainty of a task that is done; None where the tolerances bound it."""
         deviation = self._perception.goal_deviation
         if deviation is None:
             return None

@@ -67,7 +67,7 @@ class SinglePushBehaviors(BehaviorFactory):
         return Stand()
 
     def rehearse(self) -> None:
-        """Begin a straight push: that loads the steering law and the filter."""
+        """Start a straight push: that loads the steering law and the filter."""
         plan = rehearsal_plan(self._obj, self._robot)
         perception = self.new_perception(0.0)
         perception.update(Observation(

@@ -11,7 +11,7 @@ from push_safety.status import SafetyReport
 
 
 class StandCause(enum.Enum):
-    """What keeps a robot from moving; the first one of those that hold counts."""
+    """Cause for which a robot stands; the first one of those that hold counts."""
 
     # The base was stopped: somebody has to let it go on.
     AWAITS_RESUME = 'awaits resume'
@@ -78,7 +78,7 @@ class StandReasons:
 
     @property
     def is_stopped(self) -> bool:
-        """Whether the safety layer stops the robot."""
+        """Tell whether the safety layer stops the robot."""
         return self._stop is not None
 
     def resume(self) -> None:

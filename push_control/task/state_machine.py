@@ -26,7 +26,7 @@ from push_model.events import AnyReport, codes, sentence
 
 class Transitions(NamedTuple):
     """
-    Where a state in which the robot acts leads.
+    Transitions of a state in which the robot acts.
 
     :param success: state after the end of its behaviour.
     :param failure: state after its failure.
@@ -42,7 +42,7 @@ class Transitions(NamedTuple):
 
 class TransitionTable(NamedTuple):
     """
-    Where the states of a task lead.
+    Transitions of the states of a task.
 
     :param transitions: ``Transitions`` of each state in which the robot acts.
     :param exceptions: further states to which a state may lead.

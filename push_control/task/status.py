@@ -12,7 +12,7 @@ from push_model.signals import PoseDeviation
 
 
 class TaskState(enum.Enum):
-    """What the robot is doing in a task; the values are those of messages, tables and files."""
+    """State of a task; the values are those of messages, tables and files."""
 
     IDLE = 'idle'
     PLAN = 'plan'
@@ -27,12 +27,12 @@ class TaskState(enum.Enum):
 
     @property
     def is_standing(self) -> bool:
-        """Whether the robot stands, and goes on only on request of the user."""
+        """Tell whether the robot stands, and goes on only on request of the user."""
         return self in STANDING_STATES
 
     @property
     def is_final(self) -> bool:
-        """Whether the task is over, well or not."""
+        """Tell whether the task is over, well or not."""
         return self in FINAL_STATES
 
 
@@ -61,7 +61,7 @@ class StateChange(NamedTuple):
 @dataclasses.dataclass(frozen=True)
 class SupervisorStatus:
     """
-    What the supervisor does, and why.
+    Status of the supervisor, with its reason.
 
     :param state: the present ``TaskState``.
     :param reason: one sentence, empty while all is well.

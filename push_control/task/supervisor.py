@@ -11,7 +11,7 @@ from push_control.events import no_plan, TaskEvent
 from push_control.goal import TaskFailure, TaskGoal
 from push_control.perception.object_at_rest import has_moved
 from push_control.settings import ControlSettings
-from push_control.steered.plan_check import ExpectedEnds, Place
+from push_control.steered.plan_check import ExpectedEnds, PoseRegion
 from push_control.supervision_settings import aimed_tolerances, SupervisionSettings
 from push_control.task.execution import TaskExecution
 from push_control.task.status import TaskState
@@ -113,17 +113,17 @@ class Supervisor(TaskExecution):
 
     @property
     def awaits_plan(self) -> bool:
-        """Whether nothing happens before the plan comes that was requested."""
+        """Tell whether nothing happens before the plan comes that was requested."""
         return self._behavior.needs_plan and self.plan_request is not None
 
     @property
     def keeps_plan(self) -> bool:
-        """Whether a plan is made before the start, and kept for the next one."""
+        """Tell whether a plan is made before the start, and kept for the next one."""
         return self._behaviors.keeps_plan
 
     @property
     def has_stored_plan(self) -> bool:
-        """Whether there is a plan that the next start drives."""
+        """Tell whether there is a plan that the next start drives."""
         return self.keeps_plan and self._plan is not None
 
     def expected_ends(self, request: PlanRequest | None) -> ExpectedEnds:
@@ -137,10 +137,10 @@ class Supervisor(TaskExecution):
             poses.append(request.object_pose)
         if self._perception.has_pose_after(-math.inf):
             poses.append(self._perception.object_pose.pose)
-        starts = tuple(Place(pose, *self._behavior.start_limits) for pose in poses)
+        starts = tuple(PoseRegion(pose, *self._behavior.start_limits) for pose in poses)
         if request is None:
             return ExpectedEnds(starts)
-        return ExpectedEnds(starts, Place(request.goal, *request.tolerances),
+        return ExpectedEnds(starts, PoseRegion(request.goal, *request.tolerances),
                             self._behavior.ends_at_goal)
 
     def set_plan(self, trajectory: PushTrajectory) -> None:
@@ -256,7 +256,7 @@ class Supervisor(TaskExecution):
 
     @property
     def can_pause(self) -> bool:
-        """Whether what it does can be paused."""
+        """Tell whether what it does can be paused."""
         return self._machine.leads_to(TaskState.PAUSED)
 
     def pause(self) -> None:
@@ -277,7 +277,7 @@ class Supervisor(TaskExecution):
 
     @property
     def can_restart(self) -> bool:
-        """Whether ``restart`` can go on with the task after it was interrupted now."""
+        """Tell whether ``restart`` can go on with the task after it was interrupted now."""
         return self.state not in self._machine.table.lost and self._behavior.next_goal is None
 
     def stop(self, cause: AnyReport) -> None:

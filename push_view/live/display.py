@@ -47,12 +47,12 @@ class RunDisplay:
         # A session may last for hours.
         self._simulation.rows.clear()
         states, plans = self._shown
-        history, found = self._robot.history, self._robot.plans
+        history, known_plans = self._robot.history, self._robot.plans
         for change in history[states:]:
             self._log.add(state_message(change))
-        for plan in found[plans:]:
+        for plan in known_plans[plans:]:
             self._log.add(plan_message(self._simulation.time, plan))
-        self._shown = len(history), len(found)
+        self._shown = len(history), len(known_plans)
         if self._safety.base_knowledge != self._base:
             self._base = self._safety.base_knowledge
             self._log.add(base_message(self._simulation.time, self._base))

@@ -70,7 +70,7 @@ class LiveRun:
 
     @property
     def is_standing(self) -> bool:
-        """Whether the robot waits for a goal."""
+        """Tell whether the robot waits for a goal."""
         return self._robot.supervisor.status.state.is_standing
 
     @property

@@ -47,11 +47,11 @@ class MeasuredContact:
         """
         if object_pose is None:
             return UNKNOWN
-        found = find_contact(self._object, object_pose, robot_pose, self._robot_radius)
-        point = object_pose.transform(contact_point(self._object, found.contact))
+        nearest = find_contact(self._object, object_pose, robot_pose, self._robot_radius)
+        point = object_pose.transform(contact_point(self._object, nearest.contact))
         force = (math.nan, math.nan)
         if 0.0 <= time - self._force_time <= FORCE_TIME:
             f_x, f_y = object_pose.rotate(self._force)
-            c, s = math.cos(found.gamma), math.sin(found.gamma)
+            c, s = math.cos(nearest.gamma), math.sin(nearest.gamma)
             force = (c * f_x + s * f_y, c * f_y - s * f_x)
-        return (*force, *point, found.gamma, found.gap)
+        return (*force, *point, nearest.gamma, nearest.gap)

@@ -44,7 +44,7 @@ class Session:
 
     @property
     def is_standing(self) -> bool:
-        """Whether the robot waits for a goal."""
+        """Tell whether the robot waits for a goal."""
         return self._run.is_standing
 
     @property

@@ -89,9 +89,9 @@ def with_friction(obj: PushedObject, name: str, value: float) -> PushedObject:
     """
     if name == CONTACT_FRICTION:
         return dataclasses.replace(obj, contact_friction_coefficient=value)
-    number = int(name.removeprefix(FRICTION))
+    index = int(name.removeprefix(FRICTION))
     supports = tuple(dataclasses.replace(support, friction_coefficient=value)
-                     if i == number else support for i, support in enumerate(obj.supports))
+                     if i == index else support for i, support in enumerate(obj.supports))
     return dataclasses.replace(obj, supports=supports)
 
 

@@ -43,6 +43,6 @@ def with_wall(occupancy_map: OccupancyMap, start: Coordinates,
     along = np.clip(((x - x0) * (x1 - x0) + (y - y0) * (y1 - y0)) / squared, 0.0, 1.0)
     distance = np.hypot(x - x0 - along * (x1 - x0), y - y0 - along * (y1 - y0))
     # At least the cells that the line runs through.
-    reach = max(0.5 * THICKNESS, resolution * math.sqrt(0.5))
+    half_width = max(0.5 * THICKNESS, resolution * math.sqrt(0.5))
     return OccupancyMap(resolution, occupancy_map.origin,
-                        occupancy_map.occupied | (distance <= reach))
+                        occupancy_map.occupied | (distance <= half_width))

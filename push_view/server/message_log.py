@@ -55,19 +55,19 @@ class MessageLog:
         :param message: with the key ``type``.
         """
         with self._lock:
-            former = self._newest.get(message['type'])
-            if former is not None:
-                self._entries[former] = None
+            previous = self._newest.get(message['type'])
+            if previous is not None:
+                self._entries[previous] = None
             self._newest[message['type']] = len(self._entries)
             self._entries.append(_Entry(_text(message)))
 
     def clear(self) -> None:
         """Drop everything but what was last added by ``replace``; readers go on with the rest."""
         with self._lock:
-            kept = {name: self._entries[index] for name, index in self._newest.items()}
+            entries = {name: self._entries[index] for name, index in self._newest.items()}
             self._first += len(self._entries)
-            self._entries = list(kept.values())
-            self._newest = {name: index for index, name in enumerate(kept)}
+            self._entries = list(entries.values())
+            self._newest = {name: index for index, name in enumerate(entries)}
             self._rows = self._oldest_rows = 0
 
     def since(self, cursor: int) -> tuple[list[str], int]:

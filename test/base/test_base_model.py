@@ -46,8 +46,8 @@ def test_the_motion_ahead_is_what_the_plant_does(drive, dead_time):
             v_x, v_y, omega = rng.uniform(-0.4, 0.4, 3).tolist()
             command = Twist(v_x, v_y if drive == 'holonomic' else 0.0, 3.0 * omega)
         poses.append(base.odometry_pose)
-        ahead = model.ahead(base.odometry_twist, PERIOD * k)
-        predictions.append((base.odometry_pose @ ahead.displacement, ahead.velocity))
+        predicted = model.predict(base.odometry_twist, PERIOD * k)
+        predictions.append((base.odometry_pose @ predicted.displacement, predicted.velocity))
         twists.append(base.odometry_twist)
         model.add_command(command, PERIOD * k)
         driven(base, command)
@@ -63,8 +63,8 @@ def test_without_dead_time_nothing_is_ahead():
     """The velocity is the measured one itself, and nothing is under way."""
     model, velocity = BaseModel(robot_of('holonomic', 0.0)), Twist(0.3, 0.1, 1.0)
     model.add_command(Twist(0.5, 0.0, 0.0), 0.0)
-    displacement, ahead = model.ahead(velocity, 0.1)
-    assert displacement == ORIGIN and ahead is velocity
+    displacement, predicted = model.predict(velocity, 0.1)
+    assert displacement == ORIGIN and predicted is velocity
     assert not model.has_pending_motion(0.1)
 
 
@@ -77,7 +77,7 @@ def test_a_command_is_under_way_for_the_dead_time():
     assert model.has_pending_motion(1.05)
     assert model.has_pending_motion(1.29)
     assert not model.has_pending_motion(1.31)
-    assert model.ahead(STOP, 1.31).displacement == ORIGIN
+    assert model.predict(STOP, 1.31).displacement == ORIGIN
     model.add_command(Twist(0.5, 0.0, 0.0), 2.0)
     model.add_command(STOP, 0.5)
     assert not model.has_pending_motion(0.5)
@@ -112,12 +112,12 @@ def follow(robot, model):
     for k in range(1500):
         pose, twist = base.odometry_pose, base.odometry_twist
         farthest = max(farthest, pose.x - 1.0, -pose.y)
-        ahead = None
+        predicted = None
         if model.dead_time > 0.0:
-            displacement, velocity = model.ahead(twist, PERIOD * k)
+            displacement, velocity = model.predict(twist, PERIOD * k)
             lag = robot.time_constant
-            ahead = pose @ displacement @ Pose(*(lag * value for value in velocity))
-        command = follower.step(pose, PERIOD, ahead)
+            predicted = pose @ displacement @ Pose(*(lag * value for value in velocity))
+        command = follower.step(pose, PERIOD, predicted)
         if follower.finished:
             return PERIOD * k, farthest
         model.add_command(command, PERIOD * k)

@@ -20,9 +20,9 @@ def test_a_covariance_is_believed_only_where_odometry_is_absolute():
     """Many bases state a small constant one for a pose that drifts."""
     stated = Odometry(0.0, Pose(0.0, 0.0, 0.0), STOP, PoseCovariance.from_deviations(1e-3, 2e-3))
     absolute = SupervisionSettings(odometry_reference='absolute')
-    assert SupervisionSettings().believed_covariance(stated) is None
-    assert absolute.believed_covariance(stated) == stated.covariance
-    assert absolute.believed_covariance(stated._replace(covariance=None)) is None
+    assert SupervisionSettings().assumed_covariance(stated) is None
+    assert absolute.assumed_covariance(stated) == stated.covariance
+    assert absolute.assumed_covariance(stated._replace(covariance=None)) is None
 
 
 def test_noise_grows_with_the_distance_of_relative_poses_alone():
@@ -30,9 +30,9 @@ def test_noise_grows_with_the_distance_of_relative_poses_alone():
                                heading_noise_per_distance=0.02)
     pose = Pose(5.0, 0.0, 0.0)
     seen = ObjectPose(0.0, pose, relative=Pose(0.0, 2.0, 1.0))
-    assert settings.believed_covariance(seen).position_deviation == pytest.approx(0.012)
-    assert settings.believed_covariance(seen).heading_deviation == pytest.approx(0.05)
-    assert settings.believed_covariance(ObjectPose(0.0, pose)).heading_deviation == pytest.approx(
+    assert settings.assumed_covariance(seen).position_deviation == pytest.approx(0.012)
+    assert settings.assumed_covariance(seen).heading_deviation == pytest.approx(0.05)
+    assert settings.assumed_covariance(ObjectPose(0.0, pose)).heading_deviation == pytest.approx(
         0.01)
     stated = PoseCovariance.from_deviations(0.1, 0.2)
-    assert settings.believed_covariance(seen._replace(covariance=stated)) is stated
+    assert settings.assumed_covariance(seen._replace(covariance=stated)) is stated

@@ -39,7 +39,7 @@ class ContactHypotheses(EnsembleReading):
 
     @property
     def is_undecided(self) -> bool:
-        """Whether both hypotheses are followed."""
+        """Tell whether both hypotheses are followed."""
         return self._slippery is not None
 
     # Measurements, which both hypotheses follow.

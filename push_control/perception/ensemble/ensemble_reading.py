@@ -37,12 +37,12 @@ class EnsembleReading:
 
     @property
     def is_initialized(self) -> bool:
-        """Whether there was any odometry yet."""
+        """Tell whether there was any odometry yet."""
         return self._state.odometry is not None
 
     @property
     def has_object(self) -> bool:
-        """Whether there was any object pose yet."""
+        """Tell whether there was any object pose yet."""
         return self._state.pose_time is not None
 
     @property
@@ -70,7 +70,7 @@ class EnsembleReading:
 
     @property
     def is_relative(self) -> bool:
-        """Whether object poses are relative to the robot."""
+        """Tell whether object poses are relative to the robot."""
         return self._state.is_relative
 
     @property
@@ -144,7 +144,7 @@ class EnsembleReading:
 
     @property
     def has_pose_bias(self) -> bool:
-        """Whether object poses have a bias that is estimated."""
+        """Tell whether object poses have a bias that is estimated."""
         return self._state.bias.exists
 
     def without_bias(self, measured: ObjectPose) -> ObjectPose:
@@ -171,7 +171,7 @@ class EnsembleReading:
 
     @property
     def knowledge(self) -> ObjectKnowledge:
-        """What is known of the object by now."""
+        """Knowledge of the object by now."""
         return knowledge_of(self.members.obj, self._friction)
 
     @property

@@ -46,7 +46,7 @@ class OdometryNoise(NamedTuple):
 
 class RobotMemory(NamedTuple):
     """
-    What was estimated of the robot at a time.
+    Estimate of the robot at a time.
 
     :param odometry_pose: ``Pose`` of odometry then.
     :param robots: poses (x, y, theta) of all members, shape (n, 3).

@@ -24,7 +24,7 @@ from push_model.geometry import FloatArray
 
 class InnovationTest(NamedTuple):
     """
-    How well an innovation fits its covariance S.
+    Test of an innovation against its covariance S.
 
     :param squared_distance: squared Mahalanobis distance, v' S^-1 v.
     :param log_determinant: logarithm of the determinant of S.
@@ -35,20 +35,20 @@ class InnovationTest(NamedTuple):
 
 
 @compiled
-def center(numbers: Any, means: Any) -> None:
+def center(samples: Any, means: Any) -> None:
     """
     Subtract the means over the members.
 
-    :param numbers: shape (n, k), is written.
+    :param samples: shape (n, k), is written.
     :param means: of the columns, shape (k,), is written.
     """
-    for j in range(numbers.shape[1]):
+    for j in range(samples.shape[1]):
         total = 0.0
-        for i in range(len(numbers)):
-            total += numbers[i, j]
-        means[j] = total / len(numbers)
-        for i in range(len(numbers)):
-            numbers[i, j] -= means[j]
+        for i in range(len(samples)):
+            total += samples[i, j]
+        means[j] = total / len(samples)
+        for i in range(len(samples)):
+            samples[i, j] -= means[j]
 
 
 @compiled
@@ -133,44 +133,44 @@ def write_poses(states: Any, bodies: Any, poses: Any, first: int) -> None:
 
 
 @compiled
-def disturb_objects(poses: Any, before: Any, numbers: Any, means: Any, walks: Any) -> None:
+def disturb_objects(poses: Any, before: Any, samples: Any, means: Any, walks: Any) -> None:
     """
     Add a random walk to what each object has moved.
 
     :param poses: of robots and objects, shape (n, 6), is written.
     :param before: the same before they moved.
-    :param numbers: standard normal, shape (n, 3), whose mean over the members is taken off.
+    :param samples: standard normal, shape (n, 3), whose mean over the members is taken off.
     :param means: scratch, 3 numbers.
     :param walks: per root of the distance (x, y, theta).
     """
-    center(numbers, means)
+    center(samples, means)
     for i in range(len(poses)):
         d_x, d_y = poses[i, 3] - before[i, 3], poses[i, 4] - before[i, 4]
         root = math.sqrt(math.sqrt(d_x * d_x + d_y * d_y))
         for j in range(3):
-            poses[i, 3 + j] += root * (numbers[i, j] * walks[j])
+            poses[i, 3 + j] += root * (samples[i, j] * walks[j])
 
 
 @compiled
-def innovation_test(spread: Any, noise: Any, innovation: Any,
+def innovation_test(deviations: Any, noise: Any, innovation: Any,
                     factor: Any) -> tuple[float, float]:
     """
     Factorize the covariance S of an innovation, and compare the two.
 
-    :param spread: anomalies B of what is measured, shape (n, m).
+    :param deviations: anomalies B of what is measured, shape (n, m).
     :param noise: covariance R of the measurement, shape (m, m).
     :param innovation: v, measured minus mean, shape (m,).
     :param factor: L, shape (m + 1, m), is written; its last row is scratch.
     :return: the numbers of an ``InnovationTest``.
     """
-    size = spread.shape[1]
+    size = deviations.shape[1]
     squared_distance, log_determinant = 0.0, 0.0
     for j in range(size):
         for k in range(j + 1):
             total = 0.0
-            for i in range(len(spread)):
-                total += spread[i, j] * spread[i, k]
-            total = total / (len(spread) - 1) + noise[j, k]
+            for i in range(len(deviations)):
+                total += deviations[i, j] * deviations[i, k]
+            total = total / (len(deviations) - 1) + noise[j, k]
             for m in range(k):
                 total -= factor[j, m] * factor[k, m]
             factor[j, k] = math.sqrt(total) if j == k else total / factor[k, k]
@@ -185,17 +185,17 @@ def innovation_test(spread: Any, noise: Any, innovation: Any,
 
 
 @compiled
-def update_block(block: Any, first: int, spread: Any, innovation: Any, factor: Any) -> None:
+def update_block(block: Any, first: int, deviations: Any, innovation: Any, factor: Any) -> None:
     """
     Move numbers of all members by the update.
 
     :param block: shape (n, k), is written from the column ``first`` on.
     :param first: number of the first column that the measurement tells of.
-    :param spread: B, shape (n, m), its mean over the members 0.
+    :param deviations: B, shape (n, m), its mean over the members 0.
     :param innovation: v, shape (m,).
     :param factor: L, as ``innovation_test`` wrote it; its last row is scratch.
     """
-    count, size = spread.shape
+    count, size = deviations.shape
     gain = factor[size]
     for k in range(first, block.shape[1]):
         # As B has no mean, A may be taken from any origin; from a near one it is exact.
@@ -203,7 +203,7 @@ def update_block(block: Any, first: int, spread: Any, innovation: Any, factor: A
         for j in range(size):
             covariance = 0.0
             for i in range(count):
-                covariance += spread[i, j] * (block[i, k] - origin)
+                covariance += deviations[i, j] * (block[i, k] - origin)
             gain[j] = covariance / (count - 1)
         for j in range(size):
             for m in range(j):
@@ -215,22 +215,22 @@ def update_block(block: Any, first: int, spread: Any, innovation: Any, factor: A
             gain[j] /= factor[j, j]
         for i in range(count):
             for j in range(size):
-                block[i, k] += (innovation[j] - 0.5 * spread[i, j]) * gain[j]
+                block[i, k] += (innovation[j] - 0.5 * deviations[i, j]) * gain[j]
 
 
 @compiled
-def update_blocks(blocks: Any, first: int, spread: Any, innovation: Any, factor: Any) -> None:
+def update_blocks(blocks: Any, first: int, deviations: Any, innovation: Any, factor: Any) -> None:
     """
     Move several blocks of numbers, as ``update_block`` does.
 
     :param blocks: shape (b, n, k), is written from the column ``first`` on.
     :param first: as of ``update_block``.
-    :param spread: as of ``update_block``.
+    :param deviations: as of ``update_block``.
     :param innovation: as of ``update_block``.
     :param factor: as of ``update_block``.
     """
     for b in range(len(blocks)):
-        update_block(blocks[b], first, spread, innovation, factor)
+        update_block(blocks[b], first, deviations, innovation, factor)
 
 
 class EnsembleUpdate:
@@ -248,13 +248,13 @@ class EnsembleUpdate:
         :param noise: covariance R of the measurement, shape (m, m).
         """
         # Compiled functions are compiled anew for arrays in another order or read-only.
-        self._spread: FloatArray = np.array(expected, dtype=float, order='C')
+        self._deviations: FloatArray = np.array(expected, dtype=float, order='C')
         self._noise: FloatArray = np.array(noise, dtype=float, order='C')
-        size = self._spread.shape[1]
+        size = self._deviations.shape[1]
         self.mean: FloatArray = np.empty(size)
         self._innovation: FloatArray = np.zeros(size)
         self._factor: FloatArray = np.zeros((size + 1, size))
-        center(self._spread, self.mean)
+        center(self._deviations, self.mean)
 
     def test(self, innovation: FloatArray) -> InnovationTest:
         """
@@ -263,7 +263,7 @@ class EnsembleUpdate:
         :param innovation: measured minus mean, shape (m,).
         """
         self._innovation[:] = innovation
-        return InnovationTest(*innovation_test(self._spread, self._noise, self._innovation,
+        return InnovationTest(*innovation_test(self._deviations, self._noise, self._innovation,
                                                self._factor))
 
     def apply(self, block: FloatArray, first: int = 0) -> None:
@@ -273,7 +273,7 @@ class EnsembleUpdate:
         :param block: shape (n, k), is written.
         :param first: number of the first column that the measurement tells of.
         """
-        update_block(block, first, self._spread, self._innovation, self._factor)
+        update_block(block, first, self._deviations, self._innovation, self._factor)
 
     def apply_to_all(self, blocks: FloatArray, first: int = 0) -> None:
         """
@@ -282,7 +282,7 @@ class EnsembleUpdate:
         :param blocks: shape (b, n, k), is written.
         :param first: as of ``apply``.
         """
-        update_blocks(blocks, first, self._spread, self._innovation, self._factor)
+        update_blocks(blocks, first, self._deviations, self._innovation, self._factor)
 
     def jump(self, robots: FloatArray) -> FloatArray:
         """
@@ -291,6 +291,6 @@ class EnsembleUpdate:
         :param robots: their poses, shape (n, 3).
         :return: jump (x, y, theta), shape (3,).
         """
-        spread = self._spread
-        gain = spread.T @ (robots - robots.mean(axis=0))
-        return np.linalg.solve(spread.T @ spread, gain).T @ self._innovation
+        deviations = self._deviations
+        gain = deviations.T @ (robots - robots.mean(axis=0))
+        return np.linalg.solve(deviations.T @ deviations, gain).T @ self._innovation

@@ -145,7 +145,7 @@ class MeasurementUpdate:
 
     def _noise(self, measured: ObjectPose) -> FloatArray:
         """Return the covariance of the errors that differ from one object pose to the next."""
-        covariance, bias = self._settings.believed_covariance(measured).matrix, self._state.bias
+        covariance, bias = self._settings.assumed_covariance(measured).matrix, self._state.bias
         return covariance + bias.roughness if bias.exists else covariance
 
     def _correct(self, update: EnsembleUpdate, is_coupled: bool, *,

@@ -144,7 +144,7 @@ class Members:
 
     @property
     def in_contact(self) -> BoolArray:
-        """Whether each robot touches its object, shape (n,)."""
+        """Tell whether each robot touches its object, shape (n,)."""
         return self.states[:, layout.NORMAL_FORCE] > 0.0
 
     @property
@@ -240,8 +240,8 @@ class Members:
             poses = np.empty((self.count, ROBOT_AND_OBJECT))
             moments = np.empty((2, ROBOT_AND_OBJECT))
             read_poses(self.states, self.bodies, poses, moments)
-            for numbers in (poses, moments):
-                numbers.setflags(write=False)
+            for array in (poses, moments):
+                array.setflags(write=False)
             means, deviations = moments.tolist()
             estimate = self._estimate = _Estimate(poses, Pose(*means[:3]), Pose(*means[3:]),
                                                   moments[1], max(deviations[:2]))

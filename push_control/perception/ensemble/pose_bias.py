@@ -62,8 +62,8 @@ class PoseBias:
         parts *= (1.0 - CONSTANT_PART) / parts.sum()
         parts = np.concatenate(([CONSTANT_PART], np.repeat(parts, 2)))
         deviations = (np.sqrt(parts)[:, None] * self._deviations).ravel()
-        numbers = self._rng.standard_normal((len(self.coefficients), len(deviations)))
-        self.coefficients = (numbers - numbers.mean(axis=0)) * deviations
+        samples = self._rng.standard_normal((len(self.coefficients), len(deviations)))
+        self.coefficients = (samples - samples.mean(axis=0)) * deviations
 
     def explains(self, displacement: FloatArray) -> bool:
         """

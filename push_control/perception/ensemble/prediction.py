@@ -29,7 +29,7 @@ START_POSITION_STD = 0.002
 START_HEADING_STD = 0.003
 START_STDS = START_POSITION_STD, START_POSITION_STD, START_HEADING_STD
 # Below this a step of odometry is rest [m], [rad].
-REST = 1e-9
+NO_MOTION = 1e-9
 
 
 class Prediction:
@@ -75,7 +75,7 @@ class Prediction:
     def _move(self, step: Pose, duration: float, time: float) -> None:
         state, members = self._state, self._state.members
         rotation = wrap_angle(step.theta)
-        is_at_rest = math.hypot(step.x, step.y) < REST and abs(rotation) < REST
+        is_at_rest = math.hypot(step.x, step.y) < NO_MOTION and abs(rotation) < NO_MOTION
         if is_at_rest and not members.in_contact.any():
             return
         increments = state.rng.standard_normal((members.count, POSE))

@@ -63,7 +63,7 @@ class PushEnsemble(EnsembleReading):
 
     @property
     def has_unseen_contact(self) -> bool:
-        """Whether poses that come tell of a contact that nobody has seen."""
+        """Tell whether poses that come tell of a contact that nobody has seen."""
         odometry = self._state.odometry
         return (odometry is not None
                 and self._measurement_update.has_unseen_contact(odometry.time))

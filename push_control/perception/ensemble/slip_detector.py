@@ -30,7 +30,7 @@ ROUGH_SIGMAS = 3.0
 
 
 class SlipVerdict(enum.Enum):
-    """Which of both hypotheses is followed further."""
+    """Verdict which of both hypotheses is followed further."""
 
     BOTH = 'both'
     ROUGH = 'rough'

@@ -84,7 +84,7 @@ class KnowledgeFile:
 
 class KnowledgeMemory:
     """
-    What is known of objects, one at a time, with the age that it has by now.
+    Knowledge of objects, one at a time, with its present age.
 
     Without a file it lasts as long as the process.
     """
@@ -116,9 +116,9 @@ class KnowledgeMemory:
         self._has_pushed = False
         if self._file is None or self._key in self._known:
             return
-        found = self._file.read(self._key)
-        if found is not None:
-            self._known[self._key] = found
+        stored = self._file.read(self._key)
+        if stored is not None:
+            self._known[self._key] = stored
 
     def recall(self) -> ObjectKnowledge | None:
         """Return the ``ObjectKnowledge`` as it is by now; None where the object is not known."""

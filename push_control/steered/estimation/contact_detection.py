@@ -40,7 +40,7 @@ class CusumTest:
 
     def __init__(self, threshold: float):
         """
-        Begin with empty sums.
+        Start with empty sums.
 
         :param threshold: sum at which the test detects a change, in standard deviations.
         """
@@ -101,7 +101,7 @@ class TwoHypothesisFilter:
 
     def __init__(self, slip_std: float, noise_std: float, drift_walk: float):
         """
-        Begin without an offset.
+        Start without an offset.
 
         :param slip_std: standard deviation of the first slip: how the robot was placed [m].
         :param noise_std: of a measured offset [m].
@@ -153,7 +153,7 @@ class TwoHypothesisFilter:
 
 
 class ContactState(enum.Enum):
-    """Whether robot and object are in contact, and whether that slides."""
+    """Tell whether robot and object are in contact, and whether that slides."""
 
     TOUCHING = 'touching'
     SLIDING = 'sliding'
@@ -162,7 +162,7 @@ class ContactState(enum.Enum):
 
 class ContactUpdate(NamedTuple):
     """
-    What a measured offset tells.
+    Update of the contact by a measured offset.
 
     :param slip: how far the contact has slid, along t [m].
     :param drift: ``ContactOffset`` that is none: the error of the robot's dead-reckoned place.
@@ -181,7 +181,7 @@ class GapMonitor:
 
     def __init__(self, settings: ControlSettings, noise_std: float):
         """
-        Begin in contact.
+        Start in contact.
 
         :param noise_std: standard deviation of a measured gap [m].
         """
@@ -222,7 +222,7 @@ class SlipMonitor:
 
     def __init__(self, settings: ControlSettings, robot_radius: float, noise_std: float):
         """
-        Begin with a contact that rolls.
+        Start with a contact that rolls.
 
         :param robot_radius: R_p [m].
         :param noise_std: standard deviation of a measured slip [m].
@@ -286,7 +286,7 @@ class ContactDetector:
 
     def __init__(self, settings: ControlSettings, robot_radius: float, site: RollingContact):
         """
-        Begin in contact.
+        Start in contact.
 
         :param robot_radius: R_p [m].
         :param site: the ``RollingContact`` at the start.
@@ -308,17 +308,17 @@ class ContactDetector:
 
     @property
     def slips(self) -> int:
-        """How often the contact began to slide."""
+        """Number of times at which the contact began to slide."""
         return self._slip.slips
 
     @property
     def contact_losses(self) -> int:
-        """How often contact was lost."""
+        """Number of losses of contact."""
         return self._gap.losses
 
     @property
     def notice(self) -> EventReport | None:
-        """What is out of the ordinary, or None."""
+        """Notice of an event, or None."""
         if self.state is ContactState.LOST:
             return PushEvent.CLOSING_GAP.report()
         if self.state is ContactState.SLIDING:
@@ -345,8 +345,8 @@ class ContactDetector:
         if self._gap.is_lost or self._gap.gap < -self._settings.contact_gap:
             self._slip.suspend()
             return ContactUpdate(0.0, ContactOffset(normal_drift, 0.0))
-        found = self._slip.update(offset.slip, score, distance, travelled_distance)
-        return ContactUpdate(found.slip, ContactOffset(normal_drift, found.drift))
+        slip_update = self._slip.update(offset.slip, score, distance, travelled_distance)
+        return ContactUpdate(slip_update.slip, ContactOffset(normal_drift, slip_update.drift))
 
     def approach_fault(self, distance: float) -> EventReport | None:
         """

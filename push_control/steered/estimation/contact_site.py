@@ -19,13 +19,13 @@ CONTACT_TOLERANCE = 0.01
 SAME_POINT_DISTANCE = 0.02
 SAME_PUSH_DISTANCE = 0.5
 SAME_PUSH_ROTATION = 0.5
-# Count of ``RollingContact.numbers``.
+# Count of ``RollingContact.values``.
 SITE_SIZE = 11
 
 
 class ContactOffset(NamedTuple):
     """
-    Where the robot's centre is, relative to where rolling contact would have it.
+    Offset of the robot's centre from where rolling contact would have it.
 
     :param gap: backwards along the contact normal n [m].
     :param slip: along the tangent t, n rotated by +90 degrees [m].
@@ -80,8 +80,8 @@ class RollingContact(NamedTuple):
         return 'face' if math.isinf(self.object_radius) else 'round'
 
     @property
-    def numbers(self) -> tuple[float, ...]:
-        """All numbers in a row, as ``contact_site`` reads them, ``SITE_SIZE`` of them."""
+    def values(self) -> tuple[float, ...]:
+        """Values in a row, as ``contact_site`` reads them, ``SITE_SIZE`` of them."""
         return (*self[:3], *self.point, self.normal, self.heading, *self.normal_limits,
                 *self.edges)
 
@@ -178,14 +178,14 @@ _rolled_contact = getattr(rolled_contact, 'py_func', rolled_contact)
 
 
 @compiled
-def contact_site(numbers: Any) -> RollingContact:
+def contact_site(values: Any) -> RollingContact:
     """
     Read a contact.
 
-    :param numbers: ``RollingContact.numbers``, shape (n,), the first ``SITE_SIZE`` of which count.
+    :param values: ``RollingContact.values``, shape (n,), the first ``SITE_SIZE`` of which count.
     """
-    return RollingContact(numbers[0], numbers[1], numbers[2], (numbers[3], numbers[4]), numbers[5],
-                          numbers[6], (numbers[7], numbers[8]), (numbers[9], numbers[10]))
+    return RollingContact(values[0], values[1], values[2], (values[3], values[4]), values[5],
+                          values[6], (values[7], values[8]), (values[9], values[10]))
 
 
 def initial_contact_site(obj: PushedObject, robot: RoundRobot,

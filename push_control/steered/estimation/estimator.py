@@ -49,7 +49,7 @@ FIRST_CAPACITY = 64
 
 class NoiseModel(NamedTuple):
     """
-    What the filter reckons with.
+    Noise that the filter assumes.
 
     :param initial: variances of the ``MotionState`` at the start, shape (7,).
     :param walk: Q, variances of the random walk of the state per path length, shape (7,).
@@ -100,7 +100,7 @@ class _RejectedPose(NamedTuple):
 
 class PoseUpdate(NamedTuple):
     """
-    What became of a measured pose.
+    Result of the update by a measured pose.
 
     :param is_accepted: whether it passed the gate.
     :param is_possible: whether it passed, or is near where the object is expected and agrees with
@@ -140,7 +140,7 @@ class Estimator:
         misalignment = wrap_angle(odometry.pose.theta - theta - site.heading)
         state = MotionState(*pose.pose, theta + site.heading + misalignment, *center)
         covariance: FloatArray = np.diag(noise.initial)
-        covariance[:3, :3] = settings.believed_covariance(pose).matrix
+        covariance[:3, :3] = settings.assumed_covariance(pose).matrix
         self.memory: FloatArray = np.zeros(MEMORY_SIZE)
         self.memory[C_SQUARED:LAST] = motion.supports.values
         self.memory[LAST:STATE] = (odometry.time, *odometry.twist)
@@ -187,7 +187,7 @@ class Estimator:
         :param is_lost: whether the robot does not touch the object.
         """
         self.motion = self.motion._replace(site=site, is_lost=is_lost)
-        self.memory[SITE:C_SQUARED] = (*site.numbers, is_lost)
+        self.memory[SITE:C_SQUARED] = (*site.values, is_lost)
         # Whether ``latest`` is the state at the time of the last odometry.
         self._is_replayed = False
 
@@ -236,7 +236,7 @@ class Estimator:
         x, y, theta = self.memory[STATE:STATE + 3].tolist()
         innovation = Pose(measured.pose.x - x, measured.pose.y - y,
                           wrap_angle(measured.pose.theta - theta))
-        noise = self._settings.believed_covariance(measured)
+        noise = self._settings.assumed_covariance(measured)
         is_accepted, is_possible = self._correct(innovation, noise), False
         if not is_accepted:
             self.rejected_poses += 1
@@ -300,14 +300,14 @@ class Estimator:
 
     def _advance(self, time: float) -> tuple[RobotMotion, ...]:
         """Carry state and covariance to a later time; give the motion of the robot meanwhile."""
-        kept, motions = self._odometry[:self._count], self._motions
-        listed = advance(self.memory, self._matrices, kept, self._time, time, motions)
+        pending, motions = self._odometry[:self._count], self._motions
+        listed = advance(self.memory, self._matrices, pending, self._time, time, motions)
         self._time = max(time, self._time)
-        kept = kept[kept[:, END] > self._time]
-        self._count = len(kept)
-        self._odometry[:self._count] = kept
-        return tuple(RobotMotion(Twist(v_x, v_y, omega), *rest)
-                     for v_x, v_y, omega, *rest in motions[:listed].tolist())
+        pending = pending[pending[:, END] > self._time]
+        self._count = len(pending)
+        self._odometry[:self._count] = pending
+        return tuple(RobotMotion(Twist(v_x, v_y, omega), *fields)
+                     for v_x, v_y, omega, *fields in motions[:listed].tolist())
 
     def _grow(self) -> None:
         """Make room for twice as many motions."""
@@ -333,7 +333,7 @@ class Estimator:
 
     @property
     def _poses_agree(self) -> bool:
-        """Whether the last rejected poses, at least two, agree with each other."""
+        """Tell whether the last rejected poses, at least two, agree with each other."""
         return (len(self._rejected) > 1
                 and all(self._agree(*pair) for pair in itertools.pairwise(self._rejected)))
 

@@ -26,14 +26,14 @@ from push_model.geometry import FloatArray
 SIZE = 7
 MEASURED = 3
 # Columns of odometry: begin and end [s], mean velocity in the robot's axes.
-BEGIN, END, VELOCITY = 0, 1, 2
+START, END, VELOCITY = 0, 1, 2
 ODOMETRY_COLUMNS = 5
 # Columns of motions: velocity, duration [s], path length of the contact [m], heading [rad].
 DURATION, DISTANCE, HEADING = 3, 4, 5
 MOTION_COLUMNS = 6
 
 # Memory of the filter, an array of numbers: compiled functions are given it in 0.1 us. Contact:
-# ``ContactSite.numbers``, and 1 where it is lost.
+# ``RollingContact.values``, and 1 where it is lost.
 SITE = 0
 LOST = SITE + SITE_SIZE
 # Memory: ``LimitSurfaceTable.values`` of the contact [m^2].
@@ -65,30 +65,30 @@ def motion_model(memory: Any) -> MotionModel:
 
 
 @compiled
-def push_state(numbers: Any) -> MotionState:
+def push_state(values: Any) -> MotionState:
     """
     Read a state.
 
-    :param numbers: shape (7,).
+    :param values: shape (7,).
     """
-    return MotionState(numbers[0], numbers[1], numbers[2], numbers[3], numbers[4], numbers[5],
-                       numbers[6])
+    return MotionState(values[0], values[1], values[2], values[3], values[4], values[5],
+                       values[6])
 
 
 @compiled
-def carry(memory: Any, twist: Any, duration: float, numbers: Any) -> None:
+def carry(memory: Any, twist: Any, duration: float, values: Any) -> None:
     """
     Carry a state over one step.
 
     :param memory: of the filter.
     :param twist: mean motion over the step, robot's axes.
     :param duration: of the step [s].
-    :param numbers: of the state, shape (7,), is written.
+    :param values: of the state, shape (7,), is written.
     """
-    model, state = motion_model(memory), push_state(numbers)
+    model, state = motion_model(memory), push_state(values)
     after = propagated_state(model, state, object_rates(model, state, twist), twist, duration)
     for i in range(SIZE):
-        numbers[i] = after[i]
+        values[i] = after[i]
 
 
 @compiled
@@ -105,7 +105,7 @@ def replay(memory: Any, odometry: Any, count: int, start: float) -> None:
         memory[LATEST + i] = memory[STATE + i]
     for k in range(count):
         row = odometry[k]
-        duration = min(memory[LAST], row[END]) - max(start, row[BEGIN])
+        duration = min(memory[LAST], row[END]) - max(start, row[START])
         if duration > 0.0:
             carry(memory, row[VELOCITY:], duration, memory[LATEST:WALK])
 
@@ -129,7 +129,7 @@ def add_motion(memory: Any, row: Any, start: float, measured: Any) -> float:
     heading_offset = state.theta + normal - state.phi
     v_x, v_y = contact_velocity(0.0, heading_offset, contact.robot_radius, twist)
     distance = math.sqrt(v_x * v_x + v_y * v_y) * (time - last[0])
-    row[BEGIN], row[END] = last[0], time
+    row[START], row[END] = last[0], time
     for i in range(3):
         row[VELOCITY + i] = 0.5 * (last[1 + i] + twist[i])
     duration = time - max(start, last[0])
@@ -186,7 +186,7 @@ def advance(memory: Any, matrices: Any, odometry: Any, start: float, end: float,
     listed = 0
     for k in range(len(odometry)):
         row = odometry[k]
-        duration = min(end, row[END]) - max(start, row[BEGIN])
+        duration = min(end, row[END]) - max(start, row[START])
         if duration > 0.0:
             advance_step(memory, matrices, row[VELOCITY:], duration, motions[listed])
             listed += 1

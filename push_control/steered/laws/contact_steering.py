@@ -35,7 +35,7 @@ MIN_CENTER_DISTANCE = 1e-9
 
 class Steering(NamedTuple):
     """
-    What a robot steers by at its contact, and does not change during a push.
+    Parameters of steering at a contact, constant during a push.
 
     :param is_differential: whether its base is a differential drive.
     :param cone_angle: half angle of the whole friction cone that is relied on [rad].
@@ -57,7 +57,7 @@ class Steering(NamedTuple):
 
 class SteeringCommand(NamedTuple):
     """
-    What the robot is to do.
+    Command of the steering, and what it expects.
 
     :param twist: ``Twist`` in the robot's axes; STOP where the contact cannot be steered.
     :param mode: of ``monitors.jackknife_mode``.
@@ -96,7 +96,7 @@ def initial_offset(site: RollingContact) -> float:
 @compiled
 def zeta_at_rest(steering: Steering, site: RollingContact, state: MotionState) -> float:
     """
-    Where zeta comes to rest on a straight path [rad].
+    Compute the equilibrium of zeta on a straight path [rad].
 
     :param state: ``MotionState`` now.
     """
@@ -214,9 +214,9 @@ def vertex_rotation(site: RollingContact, center: tuple[float, float]) -> float:
     """
     to_center = math.atan2(center[1] - site.point[1], center[0] - site.point[0])
     low, high = site.normal_limits
-    middle, reach = 0.5 * (low + high), max(0.0, 0.5 * (high - low) - ROLLED_VERTEX_MARGIN)
+    middle, half_range = 0.5 * (low + high), max(0.0, 0.5 * (high - low) - ROLLED_VERTEX_MARGIN)
     offset = wrap_angles(to_center - middle)
-    return middle + min(reach, max(-reach, offset)) - site.normal
+    return middle + min(half_range, max(-half_range, offset)) - site.normal
 
 
 @compiled
@@ -231,9 +231,9 @@ def face_rotation(site: RollingContact, center: tuple[float, float]) -> float:
     present = site.point[1] * cosine - site.point[0] * sine
     foot = center[1] * cosine - center[0] * sine
     low, high = site.edges
-    middle, reach = 0.5 * (low + high), max(0.0, 0.5 * (high - low) - FACE_END_MARGIN)
-    if math.isfinite(reach):
-        foot = middle + min(reach, max(-reach, foot - middle))
+    middle, half_range = 0.5 * (low + high), max(0.0, 0.5 * (high - low) - FACE_END_MARGIN)
+    if math.isfinite(half_range):
+        foot = middle + min(half_range, max(-half_range, foot - middle))
     return (present - foot) / site.robot_radius
 
 

@@ -142,9 +142,9 @@ class PredictiveLaw(SteeringLaw):
 
     def _set_parameters(self, steering: SteeringInput) -> None:
         """Write the parameters, around the last plan shifted by the distance since."""
-        ahead = steering.foresee()
-        projection, pushed = ahead.projection, ahead.vehicle
-        self._horizon.path[:] = ahead.preview(self._distances)
+        foresight = steering.foresee()
+        projection, pushed = foresight.projection, foresight.vehicle
+        self._horizon.path[:] = foresight.preview(self._distances)
         low, high = steering.limits
         low = min(low, high)
         before = steering.previous_curvature
@@ -159,17 +159,17 @@ class PredictiveLaw(SteeringLaw):
         self._horizon.scalars[:] = HorizonParameters(
             lateral_error=min(saturation, max(-saturation, projection.lateral_error)),
             heading_error=projection.heading_error,
-            zeta=ahead.zeta,
+            zeta=foresight.zeta,
             curvature=curvature,
             wheelbase=pushed.wheelbase,
             force_slope=pushed.c_squared / pushed.arm,
             robot_radius=self._robot.radius,
-            zeta_rest=ahead.zeta_rest,
+            zeta_rest=foresight.zeta_rest,
             rolling_gain=self._settings.rolling_gain,
             lag_distance=steering.lag_distance,
-            cone_angle=ahead.cone_angle,
-            zeta_low=ahead.zeta_limits[0],
-            zeta_high=ahead.zeta_limits[1],
+            cone_angle=foresight.cone_angle,
+            zeta_low=foresight.zeta_limits[0],
+            zeta_high=foresight.zeta_limits[1],
             lowest=low,
             highest=high,
             first_lowest=max(low, held - max_change),
@@ -177,7 +177,7 @@ class PredictiveLaw(SteeringLaw):
             max_change=self._settings.max_curvature_rate * self._settings.horizon_step)
 
     def _start_plan(self, steering: SteeringInput, low: float, high: float) -> float:
-        """Begin with the path's curvatures; give the present curvature [1/m]."""
+        """Start with the path's curvatures; return the present curvature [1/m]."""
         root = terminal_root(self._robot.drive, self._settings.horizon_step, self._weights,
                              steering.lag_distance)
         self._horizon.root[:] = root.ravel(order='F')
@@ -187,7 +187,7 @@ class PredictiveLaw(SteeringLaw):
 
     def _shift_plan(self, steering: SteeringInput, curvature: float, before: float, low: float,
                     high: float) -> float:
-        """Begin with the last plan; give the present curvature, which lags [1/m]."""
+        """Start with the last plan; return the present curvature, which lags [1/m]."""
         lag = steering.lag_distance
         decay = math.exp(-steering.distance / lag) if lag > 0.0 else 0.0
         # The last curvature holds beyond the end of the plan.

@@ -101,7 +101,7 @@ REGULATED = [0, 1, 3]
 
 def parameter_offsets(steps: int) -> list[int]:
     """
-    Where the parts of the parameter vector p begin and end.
+    List the offsets at which the parts of the parameter vector p start and end.
 
     They are: the scalars as ``HorizonParameters``; the root of the cost to go, column by column;
     the curvatures of the path; the curvatures around which the problem is linearised.
@@ -162,10 +162,10 @@ def horizon_program(drive: Drive, steps: int, step: float, weights: HorizonWeigh
         residuals, ca.jacobian(residuals, u), values - high, low - values,
         ca.jacobian(values, u)], {'cse': True})
     # Products of whole matrices take less time than their elements one by one.
-    given = ca.MX.sym('p', offsets[-1])
-    scalars, _, _, guess = ca.vertsplit(given, offsets)
+    stacked = ca.MX.sym('p', offsets[-1])
+    scalars, _, _, guess = ca.vertsplit(stacked, offsets)
     parameters = HorizonParameters(*ca.vertsplit(scalars))
-    errors, slopes, above, below, value_slopes = linear(guess, given)
+    errors, slopes, above, below, value_slopes = linear(guess, stacked)
     slack, each, unlimited = (ca.DM.ones(count) * value for count, value in (
         (2 * steps, 1.0), (steps - 1, 1.0), (2 * steps, ca.inf)))
     change = ca.DM.eye(steps)[1:, :] - ca.DM.eye(steps)[:-1, :]
@@ -181,7 +181,7 @@ def horizon_program(drive: Drive, steps: int, step: float, weights: HorizonWeigh
         - ca.vertcat(guess, 0.0),
         ca.vertcat(parameters.first_highest, parameters.highest * each, ca.inf)
         - ca.vertcat(guess, 0.0)]
-    return ca.Function('program', [given], program, ['p'],
+    return ca.Function('program', [stacked], program, ['p'],
                        ['h', 'g', 'a', 'lba', 'uba', 'lbx', 'ubx'])
 
 

@@ -11,7 +11,7 @@ from push_model.quasi_static import Vehicle
 
 class Foresight(NamedTuple):
     """
-    What a law needs to know that looks ahead along the path.
+    Knowledge of a law that looks ahead along the path.
 
     :param projection: ``PathProjection`` of z now.
     :param preview: gives the path's curvatures [1/m] at distances beyond that, shape (n,) each.
@@ -77,7 +77,7 @@ class SolverFailure(enum.Enum):
 
 class SolverReport(NamedTuple):
     """
-    How a law's solver has done so far.
+    Report of a law's solver so far.
 
     :param failures: number of steps without an answer that can be used.
     :param last: why there was none the last time, or None.

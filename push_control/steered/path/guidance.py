@@ -31,7 +31,7 @@ class Guidance:
     """
 
     def __init__(self, path: FlatOutputPath, settings: ControlSettings):
-        """Begin at the start of a path."""
+        """Start at the start of a path."""
         self._path = path
         self._settings = settings
         self.rows = path.rows
@@ -70,20 +70,20 @@ class Guidance:
         """
         return self._path.curvatures(self.projection[0], distances)
 
-    def is_due(self, remaining_distance: float, is_kept: bool, travelled_distance: float,
+    def is_due(self, remaining_distance: float, keeps_path: bool, travelled_distance: float,
                dt: float) -> bool:
         """
         Tell whether it is time to look for another path.
 
         :param remaining_distance: arc length to the end of the present path [m].
-        :param is_kept: whether z is near the present path, and that keeps to the limits.
+        :param keeps_path: whether z is near the present path, and that keeps to the limits.
         :param travelled_distance: path length of the contact since the start [m].
         :param dt: time since the last call [s].
         :return: whether the present path cannot be kept, or is about to end.
         """
         settings = self._settings
         self._time_since_replan += dt
-        if is_kept and remaining_distance >= settings.reapproach_distance:
+        if keeps_path and remaining_distance >= settings.reapproach_distance:
             return False
         return (self._time_since_replan >= settings.replan_period
                 and travelled_distance >= settings.replan_min_distance)

@@ -39,7 +39,7 @@ LOOK_AHEAD_SPACING = 0.1
 LOOK_AHEAD_COUNT = 11
 # Columns of ``FlatOutputPath.rows``, beyond those of the pose.
 CURVATURE = 3
-BEGIN = 4
+START = 4
 # Count of the numbers of a ``PathProjection``.
 PROJECTION_SIZE = 5
 
@@ -87,16 +87,16 @@ def path_point(rows: Any, s: float) -> PathPoint:
     last = len(rows) - 1
     if not is_sampled(rows):
         index = 0 if s < 0.0 else 1
-        while 0 < index < last and s > rows[index + 1, BEGIN]:
+        while 0 < index < last and s > rows[index + 1, START]:
             index += 1
-        return PathPoint(advance_along_arc(row_pose(rows[index]), s - rows[index, BEGIN],
+        return PathPoint(advance_along_arc(row_pose(rows[index]), s - rows[index, START],
                                            rows[index, CURVATURE]), rows[index, CURVATURE])
-    if not 0.0 < s < rows[last, BEGIN]:
+    if not 0.0 < s < rows[last, START]:
         index = last if s > 0.0 else 0
-        return PathPoint(advance_along_arc(row_pose(rows[index]), s - rows[index, BEGIN], 0.0),
+        return PathPoint(advance_along_arc(row_pose(rows[index]), s - rows[index, START], 0.0),
                          rows[index, CURVATURE])
-    index = min(int(s / rows[1, BEGIN]), last - 1)
-    ratio = s / rows[1, BEGIN] - index
+    index = min(int(s / rows[1, START]), last - 1)
+    ratio = s / rows[1, START] - index
     a, b = rows[index], rows[index + 1]
     return PathPoint(Pose(a[0] + ratio * (b[0] - a[0]), a[1] + ratio * (b[1] - a[1]),
                           a[2] + ratio * (b[2] - a[2])), a[3] + ratio * (b[3] - a[3]))
@@ -109,7 +109,7 @@ def is_sampled(rows: Any) -> bool:
 
     :param rows: ``FlatOutputPath.rows``.
     """
-    return rows[1, BEGIN] > 0.0
+    return rows[1, START] > 0.0
 
 
 @compiled
@@ -131,7 +131,7 @@ def path_curvature(rows: Any, s: float) -> float:
     :param s: arc length from the start [m].
     :return: curvature [1/m].
     """
-    if is_sampled(rows) and not 0.0 <= s <= rows[len(rows) - 1, BEGIN]:
+    if is_sampled(rows) and not 0.0 <= s <= rows[len(rows) - 1, START]:
         return 0.0
     return path_point(rows, s).curvature
 
@@ -160,7 +160,7 @@ def keeps_to(rows: Any, start: float, low: float, high: float) -> bool:
     :param low: least curvature [1/m].
     :param high: greatest curvature [1/m].
     """
-    longest = rows[len(rows) - 1, BEGIN] - start
+    longest = rows[len(rows) - 1, START] - start
     for i in range(LOOK_AHEAD_COUNT):
         distance = min(i * LOOK_AHEAD_SPACING, longest)
         if not low <= path_curvature(rows, start + distance) <= high:
@@ -169,7 +169,7 @@ def keeps_to(rows: Any, start: float, low: float, high: float) -> bool:
 
 
 @compiled
-def is_kept(rows: Any, projection: Any, errors: Any, limits: Any) -> bool:
+def keeps_path(rows: Any, projection: Any, errors: Any, limits: Any) -> bool:
     """
     Tell whether a path can be kept: z is near it, and ahead of z it keeps to the limits.
 
@@ -204,7 +204,7 @@ class FlatOutputPath:
     @property
     def length(self) -> float:
         """Arc length [m]."""
-        return float(self.rows[-1, BEGIN])
+        return float(self.rows[-1, START])
 
     def at(self, s: float) -> PathPoint:
         """
@@ -243,9 +243,9 @@ class SampledPath(FlatOutputPath):
             raise ValueError(f'trajectory: got a path of {length:.3f} m of the flat output, '
                              f'expected at least {SPACING} m')
         count = max(3, math.ceil(length / SPACING) + 1)
-        begins = np.linspace(0.0, length, count)
-        x, y, psi = (np.interp(begins, arc_lengths, column) for column in dense_poses)
-        super().__init__(np.column_stack((x, y, psi, np.gradient(psi, begins), begins)))
+        starts = np.linspace(0.0, length, count)
+        x, y, psi = (np.interp(starts, arc_lengths, column) for column in dense_poses)
+        super().__init__(np.column_stack((x, y, psi, np.gradient(psi, starts), starts)))
 
 
 class FinalStraightPath(FlatOutputPath):
@@ -302,22 +302,22 @@ def path_to_goal(start: Pose, limits: CurvatureLimits, final_straight: float) ->
     :param limits: ``CurvatureLimits``, on either side of 0.
     :param final_straight: length of the straight final approach [m].
     """
-    left = min(MAX_RADIUS, 1.0 / max(limits.high, MIN_CURVATURE))
-    right = min(MAX_RADIUS, 1.0 / max(-limits.low, MIN_CURVATURE))
-    shortest = dubins_paths(start, Pose(-final_straight, 0.0, 0.0), left, right)[0]
+    left_radius = min(MAX_RADIUS, 1.0 / max(limits.high, MIN_CURVATURE))
+    right_radius = min(MAX_RADIUS, 1.0 / max(-limits.low, MIN_CURVATURE))
+    shortest = dubins_paths(start, Pose(-final_straight, 0.0, 0.0), left_radius, right_radius)[0]
     return FinalStraightPath(shortest, final_straight)
 
 
-def project_on_path(path: FlatOutputPath, pose: Pose, numbers: FloatArray) -> PathProjection:
+def project_on_path(path: FlatOutputPath, pose: Pose, values: FloatArray) -> PathProjection:
     """
     Project a pose on a path, near a given arc length.
 
     :param pose: ``Pose`` in the goal frame of z.
-    :param numbers: those of the last ``PathProjection``, become those of the new one; the first
+    :param values: those of the last ``PathProjection``, become those of the new one; the first
         one is the arc length at which to begin [m].
     """
-    write_projection(path.rows, *pose, numbers)
-    return PathProjection(*numbers.tolist())
+    write_projection(path.rows, *pose, values)
+    return PathProjection(*values.tolist())
 
 
 @compiled
@@ -336,14 +336,14 @@ def write_projection(rows: Any, x: float, y: float, theta: float, projection: An
         on, curvature = path_point(rows, s)
         cosine, sine = math.cos(on.theta), math.sin(on.theta)
         off_x, off_y = x - on.x, y - on.y
-        ahead, lateral = cosine * off_x + sine * off_y, cosine * off_y - sine * off_x
-        step = ahead / max(MIN_PROJECTION_DIVISOR, 1.0 - curvature * lateral)
+        along, lateral = cosine * off_x + sine * off_y, cosine * off_y - sine * off_x
+        step = along / max(MIN_PROJECTION_DIVISOR, 1.0 - curvature * lateral)
         s += min(MAX_PROJECTION_STEP, max(-MAX_PROJECTION_STEP, step))
     on, curvature = path_point(rows, s)
     lateral = math.cos(on.theta) * (y - on.y) - math.sin(on.theta) * (x - on.x)
     off = wrap_angles(theta - on.theta)
     projection[0], projection[1], projection[2], projection[3] = s, lateral, off, curvature
-    projection[4] = rows[len(rows) - 1, BEGIN] - s
+    projection[4] = rows[len(rows) - 1, START] - s
 
 
 def _flat_output_poses(vehicle: Vehicle, trajectory: PushTrajectory) -> FloatArray:

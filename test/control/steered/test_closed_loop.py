@@ -45,7 +45,7 @@ def make_model(drive, log_c_squared=0.0, offset=0.0, shift=0.0, obj=OBJECT):
                         model.center[0] + shift * model.nominal.arm, model.center[1],
                         log_c_squared)
     memory = np.zeros(MEMORY_SIZE)
-    memory[:SITE_SIZE] = initial_contact_site(obj, robot, target).numbers
+    memory[:SITE_SIZE] = initial_contact_site(obj, robot, target).values
     memory[C_SQUARED:LAST] = model.motion.supports.values
     memory[LATEST:WALK] = state
     # A robot that stands: the object is one drive lag ahead where it is now.
@@ -104,7 +104,7 @@ def test_the_command_pushes_in_the_direction_that_gives_the_curvature(drive, cur
     model = make_model(drive)
     command, mode = model.command(curvature, 0.05)
     assert mode == STEERABLE
-    state = model.ahead
+    state = model.predicted
     gamma = state.theta + model.motion.site.contact_at(state.relative_heading).normal
     velocity = contact_velocity(state.phi, gamma, 0.17, command)
     assert math.hypot(*velocity) == pytest.approx(0.05)

@@ -12,7 +12,7 @@ from helpers.push_problems import (
 from helpers.straight_pushes import IDEAL, straight_push
 import numpy as np
 from push_control.steered.plan_check import (
-    check_length, check_map, check_plan, ExpectedEnds, ExpectedPush, MAX_POSITIONS, Place,
+    check_length, check_map, check_plan, ExpectedEnds, ExpectedPush, MAX_POSITIONS, PoseRegion,
 )
 from push_model.geometry import BoolArray, FloatArray, Pose
 from push_model.parameters import PushedObject, RoundRobot
@@ -51,7 +51,7 @@ def moved_goal(plan: PushTrajectory, distance: float, is_last: bool) -> Expected
     """Expect a plan to a goal beyond the end of a plan, along its x axis."""
     x, y, theta = plan.object_poses[-1].tolist()
     return ExpectedPush(BOX, HOLONOMIC, ExpectedEnds(
-        (), Place(Pose(x + distance, y, theta), 0.01, 0.02), is_last), None)
+        (), PoseRegion(Pose(x + distance, y, theta), 0.01, 0.02), is_last), None)
 
 
 def thinned(plan: PushTrajectory, samples: list[int]) -> PushTrajectory:
@@ -196,8 +196,8 @@ def test_a_plan_takes_no_detours(is_last: bool) -> None:
     """Thirty metres up and down before it goes to a goal that is half a metre away."""
     plan = plan_push(face_problem(Pose(0.5, 0.0, 0.0))).trajectory
     end = Pose(*plan.object_poses[-1].tolist())
-    expectation = ExpectedPush(BOX, HOLONOMIC, ExpectedEnds((), Place(end, 0.01, 0.02), is_last),
-                               None)
+    ends = ExpectedEnds((), PoseRegion(end, 0.01, 0.02), is_last)
+    expectation = ExpectedPush(BOX, HOLONOMIC, ends, None)
     check_plan(plan, expectation)
     samples = np.concatenate([np.arange(len(plan.times))] + 30 * [
         np.arange(len(plan.times))[::-1], np.arange(len(plan.times))])
@@ -217,5 +217,6 @@ def test_plans_of_all_contacts_and_drives_are_driven() -> None:
     for problem in problems:
         check_plan(plan_push(problem).trajectory, ExpectedPush(
             problem.obj, problem.robot,
-            ExpectedEnds((Place(problem.start, 1e-6, 1e-6),), Place(problem.goal, 0.01, 0.02)),
+            ExpectedEnds((PoseRegion(problem.start, 1e-6, 1e-6),),
+                         PoseRegion(problem.goal, 0.01, 0.02)),
             None))

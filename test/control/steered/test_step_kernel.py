@@ -43,7 +43,7 @@ def looked_at(plant, target):
     model = ContactModel(OBJECT, plant.robot, SETTINGS, target)
     model.aim(Pose(*target.object_poses[-1].tolist()))
     memory = np.zeros(MEMORY_SIZE)
-    memory[:SITE_SIZE] = initial_contact_site(OBJECT, plant.robot, target).numbers
+    memory[:SITE_SIZE] = initial_contact_site(OBJECT, plant.robot, target).values
     memory[C_SQUARED:LAST] = model.motion.supports.values
     memory[LAST + 1:STATE] = plant.robot_twist
     memory[LATEST:WALK] = MotionState(*plant.object_pose, plant.robot_pose.theta, *model.center)
@@ -71,9 +71,10 @@ def test_the_push_is_foreseen_one_drive_lag_ahead(drive, curvature, speed):
     plant.advance(LAG, command)
     moved = np.hypot(*np.subtract(plant.object_pose[:2], start[:2]))
     assert moved > 0.5 * min(SPEED, speed) * LAG
-    assert model.ahead.pose[:2] == pytest.approx(plant.object_pose[:2], abs=0.04 * moved + 2e-4)
-    assert model.ahead.theta == pytest.approx(plant.object_pose.theta, abs=5e-3)
-    assert model.ahead.phi == pytest.approx(plant.robot_pose.theta, abs=1e-3)
+    assert model.predicted.pose[:2] == pytest.approx(plant.object_pose[:2],
+                                                     abs=0.04 * moved + 2e-4)
+    assert model.predicted.theta == pytest.approx(plant.object_pose.theta, abs=5e-3)
+    assert model.predicted.phi == pytest.approx(plant.robot_pose.theta, abs=1e-3)
 
 
 @pytest.mark.parametrize('drive', sorted(SITES))
@@ -87,7 +88,7 @@ def test_plain_python_sees_and_commands_the_same(drive, monkeypatch):
         command, mode = model.command(0.1, 0.05)
         look()
         return np.concatenate([
-            model.ahead, model.flat_output, model.flat_output_now, model.limits_now,
+            model.predicted, model.flat_output, model.flat_output_now, model.limits_now,
             (model.zeta, model.zeta_rest), model.zeta_limits, command, (mode,)])
 
     compiled = outcome()

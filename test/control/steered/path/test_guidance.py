@@ -3,7 +3,7 @@
 import numpy as np
 from push_control.settings import ControlSettings
 from push_control.steered.path.guidance import Guidance
-from push_control.steered.path.path import CurvatureLimits, is_kept, path_to_goal
+from push_control.steered.path.path import CurvatureLimits, keeps_path, path_to_goal
 from push_model.geometry import Pose
 import pytest
 
@@ -26,7 +26,7 @@ def updated(guidance, pose, travelled=1.0, hard=WIDE, dt=1.0):
     for _ in range(10):
         projection = guidance.project(pose)
     errors = np.array((SETTINGS.replan_lateral_error, SETTINGS.replan_heading_error))
-    kept = is_kept(guidance.rows, guidance.projection, errors, np.array(hard))
+    kept = keeps_path(guidance.rows, guidance.projection, errors, np.array(hard))
     if not guidance.is_due(projection.remaining_distance, kept, travelled, dt):
         return projection
     return guidance.update(pose, projection, draw)

@@ -9,7 +9,7 @@ from push_model.parameters import PushedObject
 MIN_PROGRESS = 0.2
 
 
-class TimeLeftEstimator:
+class RemainingTimeEstimator:
     """
     Assumes that errors go on to shrink as fast as they have on average since the goal was taken.
 
