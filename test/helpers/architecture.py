@@ -45,11 +45,12 @@ WORDED = ('push_*/**/*.py', 'studies/**/*.py', 'benchmarks/**/*.py', 'examples/*
 # docs/nomenclature.md.
 OLD_WORDS = {
     'anew', 'astray', 'begins', 'boldness', 'chain', 'chains', 'doubt', 'doubts', 'draws',
-    'evidence', 'felt', 'flaw', 'former', 'hazard', 'hear', 'heard', 'hindrance', 'hopeful', 'hunt',
-    'judge', 'judged', 'judgement', 'lack', 'learnt', 'leg', 'legs', 'mending', 'misplaced', 'obey',
-    'pace', 'polished', 'programme', 'remainder', 'said', 'say', 'shove', 'shoved', 'shoves',
-    'shyer', 'shyest', 'sight', 'spell', 'spells', 'spreads', 'stray', 'strays', 'stretch',
-    'stretches', 'tell', 'told', 'tries', 'unrest', 'vain', 'wanted', 'wants', 'way', 'ways'}
+    'evidence', 'felt', 'flaw', 'former', 'hazard', 'hear', 'heard', 'hindrance', 'hopeful',
+    'hunt', 'judge', 'judged', 'judgement', 'lack', 'learnt', 'leg', 'legs', 'mending',
+    'misplaced', 'obey', 'pace', 'polished', 'programme', 'remainder', 'said', 'say', 'shove',
+    'shoved', 'shoves', 'shyer', 'shyest', 'sight', 'spell', 'spells', 'spreads', 'stray',
+    'strays', 'stretch', 'stretches', 'tell', 'told', 'tries', 'unrest', 'vain', 'wanted',
+    'wants', 'way', 'ways'}
 SEEDED = {'default_rng', 'Generator', 'SeedSequence', 'BitGenerator', 'PCG64', 'Philox'}
 NOW = re.compile(r'datetime\.(datetime\.)?(now|utcnow|today)$')
 MACHINE_PATH = re.compile(r'(?<![\w.])/(root|home|work|Users|mnt|tmp)/\w')
