@@ -25,10 +25,10 @@ from push_safety.status import SafetyReason, SafetyReport
 from push_safety.tolerances import (
     ABSOLUTE_JUMP_DISTANCE, ABSOLUTE_JUMP_ROTATION, ABSOLUTE_JUMP_SIGMAS, CATCH_UP_RATIO,
     CORRECTION_PERIOD, DIRECTION_DISTANCE, DIRECTION_PATH, DIRECTION_RATIO, EARLY_DISTANCE,
-    EARLY_RATIOS, LATERAL_RATIO, MAX_ODOMETRY_STEP, MAX_ROUNDING, MIN_CORRECTION_DISTANCE,
-    MIN_CORRECTION_ROTATION, ODOMETRY_JUMP_DISTANCE, ODOMETRY_JUMP_RATIO,
-    ODOMETRY_JUMP_ROTATION, REPETITION_RATIO, REPETITION_TIME, WINDOW_DISTANCE, WINDOW_RATIO,
-    WINDOW_ROTATION, WINDOW_TIME)
+    EARLY_RATIOS, LATERAL_RATIO, MAX_CORRECTION_DISTANCE, MAX_CORRECTION_ROTATION,
+    MAX_ODOMETRY_STEP, MAX_ROUNDING, MIN_CORRECTION_DISTANCE, MIN_CORRECTION_ROTATION,
+    ODOMETRY_JUMP_DISTANCE, ODOMETRY_JUMP_RATIO, ODOMETRY_JUMP_ROTATION, REPETITION_RATIO,
+    REPETITION_TIME, WINDOW_DISTANCE, WINDOW_RATIO, WINDOW_ROTATION, WINDOW_TIME)
 
 # Angle from which on it is the direction that is wrong, and not the unit [rad]; chosen.
 MIN_DIRECTION_ERROR = 0.2
@@ -278,9 +278,12 @@ class OdometryCheck:
         offset, rotation = step[:2]
         if offset <= MIN_CORRECTION_DISTANCE and rotation <= MIN_CORRECTION_ROTATION:
             return False
+        largest = min(MAX_CORRECTION_DISTANCE,
+                      ABSOLUTE_JUMP_SIGMAS * covariance.position_deviation)
+        largest_rotation = min(MAX_CORRECTION_ROTATION,
+                               ABSOLUTE_JUMP_SIGMAS * covariance.heading_deviation)
         return (odometry.time - self._corrected_at >= CORRECTION_PERIOD
-                and offset <= ABSOLUTE_JUMP_SIGMAS * covariance.position_deviation
-                and rotation <= ABSOLUTE_JUMP_SIGMAS * covariance.heading_deviation)
+                and offset <= largest and rotation <= largest_rotation)
 
     def _explains(self, moved: Pose) -> bool:
         """Tell whether the commands since odometry last changed may have moved the robot so."""

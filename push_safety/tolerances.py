@@ -53,6 +53,9 @@ ABSOLUTE_JUMP_ROTATION = 0.2
 # The same over the standard deviations that the pose states: two independent errors, four
 # standard deviations of their difference.
 ABSOLUTE_JUMP_SIGMAS = 6.0
+# The same at most, whatever is stated [m], [rad]: a robot that may be anywhere has to stop.
+MAX_CORRECTION_DISTANCE = 1.0
+MAX_CORRECTION_ROTATION = 0.5
 # Least step of an absolute pose that is such a correction [m], [rad], and the time in which only
 # one of them is excused [s]: a twist that is wrong shows at every step.
 MIN_CORRECTION_DISTANCE = 0.01

@@ -246,15 +246,15 @@ def identified_object(obj: PushedObject, unknowns: FloatArray) -> PushedObject:
     positions, capacities = changed_supports(obj, unknowns)
     # Loads as before; the friction coefficients carry the rest.
     weight = sum(obj.loads)
-    positions = [(support.x, support.y) for support in obj.supports]
+    points = [(support.x, support.y) for support in obj.supports]
     if abs(unknowns[2]) > 1e-12:
-        positions = [(float(x), float(y)) for x, y in positions]
-    supports = tuple(Support(x, y, 1.0) for x, y in positions)
+        points = [(float(x), float(y)) for x, y in positions]
+    supports = tuple(Support(x, y, 1.0) for x, y in points)
     moved = dataclasses.replace(obj, supports=supports)
     friction = [float(capacity) / max(load, 1e-3 * weight)
                 for capacity, load in zip(capacities, moved.loads)]
     return dataclasses.replace(
-        obj, supports=tuple(Support(x, y, mu) for (x, y), mu in zip(positions, friction)),
+        obj, supports=tuple(Support(x, y, mu) for (x, y), mu in zip(points, friction)),
         contact_friction_coefficient=math.exp(float(unknowns[3])))
 
 

@@ -187,7 +187,8 @@ def test_a_correction_of_a_map_is_a_fault_only_beyond_what_is_stated(seed: int) 
     small = corrected(first, second, 0.2, 0.05)
     assert right.first_fault(small, is_absolute=True) is None
     for spoil, is_absolute in ((small, False), (corrected(first, second, 0.4, 0.05), True),
-                               (corrected(first, second, 0.3, None), True)):
+                               (corrected(first, second, 0.3, None), True),
+                               (corrected(first, second, 1.1, 5.0), True)):
         found = right.first_fault(spoil, is_absolute=is_absolute)
         assert found is not None and found[0] == first
         assert found[1].code is SafetyReason.ODOMETRY_JUMPED
