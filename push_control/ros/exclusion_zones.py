@@ -68,7 +68,7 @@ class SourceZone:
 
     @property
     def is_settled(self) -> bool:
-        """Tell whether the source is known to have the zone that is wanted, or none."""
+        """Tell whether the source is known to have the requested zone, or none."""
         return self._is_known and self._pending is None and self._present == self._requested
 
     @property

@@ -59,7 +59,10 @@ class Run:
 
     def __init__(self, seed):
         self.random = random.Random(seed)
-        self.source, self.zone, self._now = FaultySource(self.random), SourceZone(), 0.0
+        self.source = FaultySource(self.random)
+        self.zone = SourceZone()
+        # Time [s].
+        self._now = 0.0
 
     def pass_time(self, duration):
         """Take answers, and make the calls that are due."""
