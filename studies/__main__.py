@@ -72,7 +72,7 @@ def _parser() -> argparse.ArgumentParser:
     data = actions.add_parser('data', help='predict recorded pushes of a block')
     data.set_defaults(action=_predict_recordings)
     data.add_argument('folder', type=Path, metavar='FOLDER',
-                      help='recordings, see docs/validation/real_pushes.md')
+                      help='recordings, see docs/reports/real_pushes.md')
     data.add_argument('--out', type=Path, default=Path('out') / 'studies', metavar='DIR',
                       help='where the picture goes (default: out/studies)')
     data.add_argument('--page', type=Path, metavar='FILE',

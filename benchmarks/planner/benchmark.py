@@ -3,7 +3,7 @@ Benchmark of the planner: goals reached, CPU time, and distance from the best kn
 
 scipy simulates every plan in open loop. Takes some minutes, ``--quick`` less than one. Ctrl-C ends
 the current part; the report has what was done until then. Prints Markdown, and writes it with a
-figure to a directory if one is given (``--out docs/planner``).
+figure to a directory if one is given (``--out docs/reports``).
 """
 
 import argparse

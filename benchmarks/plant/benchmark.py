@@ -3,7 +3,7 @@ Speed and error of the plant, against MuJoCo on the same pushes.
 
 The reference of each is itself at a fine step, so that MuJoCo's deviation from Coulomb's law does
 not count as an error. Takes about three minutes, ``--quick`` some seconds; prints Markdown, and
-writes it with a figure to a directory if one is given (``--out docs/validation``).
+writes it with a figure to a directory if one is given (``--out docs/reports``).
 """
 
 import argparse

@@ -74,7 +74,7 @@ HARD = Engine(step=5e-4, impratio=10.0, floor=(0.002, 1.0), bumper=(0.002, 1.0),
               floor_impedance=(0.999, 0.999), bumper_impedance=(0.999, 0.999), cone='elliptic',
               tolerance=1e-10)
 # Chosen for a small difference from the plant on ``comparison.PUSHES``, see
-# docs/validation/mujoco.md.
+# docs/reports/mujoco.md.
 TUNED = Engine(step=2.5e-4, impratio=10.0, floor=(0.02, 1.0), floor_friction=(0.1, 1.0),
                bumper=(0.004, 1.0), margin=0.001, floor_impedance=(0.3, 0.3),
                bumper_impedance=(0.9999, 0.9999), cone='elliptic', tolerance=1e-10)

@@ -1,5 +1,5 @@
 """
-Write the comparison of the plant with MuJoCo: tables and a figure in docs/validation.
+Write the comparison of the plant with MuJoCo: tables and a figure in docs/reports.
 
 Takes about a minute: ``python -m benchmarks.plant.validation``.
 """

@@ -13,13 +13,13 @@ PAGES = sorted(path.relative_to(ROOT).as_posix() for path in files(ROOT) if path
 TEXTS = {page: (ROOT / page).read_text(encoding='utf-8') for page in PAGES}
 REPORTS = {
     'benchmarks/calibration/calibrate.md.in': 'docs/robots/calibrate.md',
-    'benchmarks/controller/controller.md.in': 'docs/control/controller.md',
-    'benchmarks/faults/faults.md.in': 'docs/control/faults.md',
-    'benchmarks/planner/planner.md.in': 'docs/planner/planner.md',
-    'benchmarks/plant/mujoco.md.in': 'docs/validation/mujoco.md',
-    'benchmarks/plant/plant.md.in': 'docs/validation/plant.md',
-    'benchmarks/speed/performance.md.in': 'docs/performance.md',
-    'benchmarks/tasks/tasks.md.in': 'docs/tasks/tasks.md',
+    'benchmarks/controller/controller.md.in': 'docs/reports/controller.md',
+    'benchmarks/faults/faults.md.in': 'docs/reports/faults.md',
+    'benchmarks/planner/planner.md.in': 'docs/reports/planner.md',
+    'benchmarks/plant/mujoco.md.in': 'docs/reports/mujoco.md',
+    'benchmarks/plant/plant.md.in': 'docs/reports/plant.md',
+    'benchmarks/speed/performance.md.in': 'docs/reports/performance.md',
+    'benchmarks/tasks/tasks.md.in': 'docs/reports/tasks.md',
 }
 LINK = re.compile(r'\]\(([^)\s]+)\)')
 CODE = re.compile(r'(?<!`)`([^`\n]+)`(?!`)')

@@ -10,7 +10,7 @@ import pytest
 from studies.recordings.block import read_recordings
 from studies.recordings.prediction import FITTED, QUASI_STATIC, report, UNFITTED
 
-# See docs/validation/real_pushes.md for the public source.
+# See docs/reports/real_pushes.md for the public source.
 VARIABLE = 'PUSH_BLOCK_RECORDINGS'
 # One push of two force rows and three rows of the rod, at rest, then touching the left face.
 ROWS = ['1', '0 0 10 1 0 0 0', '5 0 10 1 0 0 0', '120',
