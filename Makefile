@@ -24,10 +24,10 @@ help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## /make \1	/p' $(MAKEFILE_LIST)
 
 demo: .venv/installed ## push a box to its goal over DDS; results in out/
-	$(BIN)/replay --demo --out out
+	$(BIN)/push replay --demo --out out
 
 play: .venv/installed ## open a page on which you drag goal and box, draw walls, change friction
-	$(BIN)/play $(ARGS)
+	$(BIN)/push play $(ARGS)
 
 faults: .venv/installed ## how faults of sensors, base and processes end; half an hour
 	$(BIN)/python -m benchmarks.faults
@@ -73,7 +73,7 @@ clean: ## remove everything made here
 	@touch $@
 
 # Editable: what runs is the source tree, so only packaging changes need a new installation.
-.venv/installed: .venv/requirements setup.py setup.cfg package.xml \
+.venv/installed: .venv/requirements setup.py pyproject.toml package.xml \
 		$(wildcard push_*/__init__.py push_*/*/__init__.py push_*/*/*/__init__.py)
 	$(PIP_INSTALL) --no-deps --no-build-isolation --editable .
 	@touch $@

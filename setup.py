@@ -38,6 +38,8 @@ setup(
         (str(SHARE), ['package.xml']),
         *data_below('config'),
         *data_below('launch'),
+        (f'lib/{NAME}', sorted(str(path.relative_to(ROOT))
+                               for path in (ROOT / 'scripts').iterdir())),
     ],
     # What tasks of straight pushes need besides ROS; all of it is in Ubuntu, too.
     install_requires=['setuptools', 'numpy', 'scipy', 'numba', 'PyYAML'],
@@ -45,6 +47,7 @@ setup(
         # Solvers and buffers as casadi has them from 3.7.0 on.
         'steered': ['casadi>=3.7.0'],
         'cluster': ['distributed'],
+        'completion': ['argcomplete'],
         'play': ['aiohttp'],
         'plot': ['matplotlib', 'pillow', 'tqdm'],
         'record': ['rosbags'],
@@ -54,18 +57,7 @@ setup(
                  'pytest-xdist', 'selenium'],
     },
     zip_safe=False,
-    entry_points={
-        'console_scripts': [
-            'calibrate = push_ros.start:calibrate',
-            'controller = push_ros.start:controller',
-            'identify = push_ros.start:identify',
-            'mocap_odometry = push_ros.start:mocap_odometry',
-            'planner = push_ros.start:planner',
-            'play = push_ros.start:play',
-            'replay = push_ros.start:replay',
-            'sim = push_ros.start:sim',
-            'tf_tracker = push_ros.start:tf_tracker',
-            'view = push_ros.start:view',
-        ],
-    },
+    # What people type. What ros2 run and launch files start lies apart, as their names are those
+    # of other commands, too.
+    entry_points={'console_scripts': ['push = push_ros.start:push']},
 )

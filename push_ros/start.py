@@ -20,6 +20,7 @@ NODES = {'controller': ('push_control.controller_node', 'ControllerNode'),
          'tf_tracker': ('push_tracker.tracker_node', 'TrackerNode')}
 # A node with options of its own, which its function main reads.
 VIEW = 'push_view.view_node'
+PUSH = 'push_ros.command_line'
 TOOLS = {'calibrate': 'push_scenario.calibration.cli',
          'identify': 'push_scenario.recordings.cli', 'play': 'push_view.cli',
          'replay': 'push_scenario.cli'}
@@ -53,30 +54,41 @@ def tf_tracker() -> int:
     return start('tf_tracker')
 
 
-def view() -> int:
-    """Run the page; return its exit status."""
+def view(words: list[str] | None = None) -> int:
+    """
+    Run the page.
+
+    :param words: command line; None for that of the process.
+    :return: exit status.
+    """
     _leave_on_signals()
-    return import_node_module(VIEW).main()
+    return import_node_module(VIEW).main(sys.argv[1:] if words is None else words)
+
+
+def push() -> int:
+    """Run a subcommand of ``push``; return its exit status."""
+    words = sys.argv[1:]
+    return view(words[1:]) if words[:1] == ['view'] else start_tool(PUSH)
 
 
 def calibrate() -> int:
     """Calibrate a base; return the exit status."""
-    return start_tool('calibrate')
+    return start_tool(TOOLS['calibrate'])
 
 
 def identify() -> int:
     """Identify friction from recorded pushes; return the exit status."""
-    return start_tool('identify')
+    return start_tool(TOOLS['identify'])
 
 
 def play() -> int:
     """Serve the page of a simulation; return the exit status."""
-    return start_tool('play')
+    return start_tool(TOOLS['play'])
 
 
 def replay() -> int:
     """Replay a scenario; return the exit status."""
-    return start_tool('replay')
+    return start_tool(TOOLS['replay'])
 
 
 def start(name: str, arguments: list[str] | None = None) -> int:
@@ -110,18 +122,18 @@ def import_node_module(name: str) -> ModuleType:
         gc.enable()
 
 
-def start_tool(name: str) -> int:
+def start_tool(module: str) -> int:
     """
     Run a command that is no node; one whose output nobody reads any more ends quietly.
 
-    :param name: of ``TOOLS``.
+    :param module: with a function ``main`` of the words behind the command's name.
     :return: exit status.
     """
     signal.signal(signal.SIGINT, _leave_tool)
-    main = importlib.import_module(TOOLS[name]).main
+    main = importlib.import_module(module).main
     try:
         signal.signal(signal.SIGINT, signal.default_int_handler)
-        status = main()
+        status = main(sys.argv[1:])
         sys.stdout.flush()
     except KeyboardInterrupt:
         # Before the tool has begun with what it would end in order, as while it imports that.

@@ -1,5 +1,5 @@
 """
-Command line ``replay``: run a scenario over DDS or in one process, report on it, draw it.
+Command line ``push replay``: run a scenario over DDS or in one process, report on it, draw it.
 
 What runs a scenario is imported where it is used: the list of scenarios and the help need none of
 it, and are there at once.
@@ -104,7 +104,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     :return: exit status: 0 where the run (with several, each that is not open loop) ended as its
         scenario expects, 1 where it did not, 2 on an error, 130 when interrupted.
     """
-    parser = _parser()
+    parser = make_parser()
     options = parser.parse_args(arguments)
     if options.list:
         _list_scenarios()
@@ -119,12 +119,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return _report_error(error, MISUSE)
 
 
-def _parser() -> argparse.ArgumentParser:
+def make_parser() -> argparse.ArgumentParser:
+    """Make the parser of the command line."""
     parser = argparse.ArgumentParser(
-        prog='replay', description='Replay a pushing scenario and evaluate it. The exit status '
-        'is 0 only if the run ends as the scenario expects.')
-    parser.add_argument('scenario', nargs='?', metavar='SCENARIO',
-                        help='path of a scenario file, or name of a scenario of the package')
+        prog='push replay', description='Replay a pushing scenario and evaluate it. The exit '
+        'status is 0 only if the run ends as the scenario expects.')
+    scenario = parser.add_argument(
+        'scenario', nargs='?', metavar='SCENARIO',
+        help='path of a scenario file, or name of a scenario of the package')
+    # Read by argcomplete.
+    setattr(scenario, 'completer', lambda **_: scenario_names())
     parser.add_argument('--list', action='store_true',
                         help='list the scenarios of the package and exit')
     parser.add_argument('--demo', action='store_true',
@@ -156,7 +160,7 @@ def _parser() -> argparse.ArgumentParser:
 def _report_error(text: object, status: int) -> int:
     # In a terminal the line of the progress has no end yet.
     start = '\n' if sys.stderr.isatty() else ''
-    print(f'{start}replay: {text}', file=sys.stderr)
+    print(f'{start}push replay: {text}', file=sys.stderr)
     return status
 
 
@@ -268,7 +272,7 @@ def _can_record() -> bool:
     """Return whether rosbags is there, and print where it is not."""
     is_installed = util.find_spec('rosbags') is not None
     if not is_installed:
-        print('replay: no recording: module rosbags is not installed', file=sys.stderr)
+        print('push replay: no recording: module rosbags is not installed', file=sys.stderr)
     return is_installed
 
 
@@ -293,7 +297,7 @@ def _draw(results: Sequence['RunResult'], options: argparse.Namespace) -> Iterat
         from push_scenario.plots.animation import draw_animation
         from push_scenario.plots.figure import draw_figure
     except ModuleNotFoundError as error:
-        print(f'replay: no plots: module {error.name} is not installed', file=sys.stderr)
+        print(f'push replay: no plots: module {error.name} is not installed', file=sys.stderr)
         return
     drawings = [(draw_figure, 'png')]
     if options.gif:

@@ -1,4 +1,4 @@
-"""Command line ``play``: a page on which one plays with the simulation of a task."""
+"""Command line ``push play``: a page on which one plays with the simulation of a task."""
 
 import argparse
 import asyncio
@@ -29,21 +29,22 @@ def main(arguments: Sequence[str] | None = None) -> int:
     :param arguments: words after the command's name; None for those of the process.
     :return: exit status: 0 after Ctrl-C, 2 on an error.
     """
-    options = _parser().parse_args(arguments)
+    options = make_parser().parse_args(arguments)
     try:
         asyncio.run(_serve(options))
     except (ValueError, OSError, RuntimeError) as error:
         is_taken = isinstance(error, OSError) and error.errno == errno.EADDRINUSE
         hint = '; name another with --port, or 0 for any that is free' if is_taken else ''
-        print(f'play: {error}{hint}', file=sys.stderr)
+        print(f'push play: {error}{hint}', file=sys.stderr)
         return MISUSE
     return DONE
 
 
-def _parser() -> argparse.ArgumentParser:
+def make_parser() -> argparse.ArgumentParser:
+    """Make the parser of the command line."""
     parser = argparse.ArgumentParser(
-        prog='play', description='Open a page on which you play with the simulation of a task: '
-        'drag goal and object, draw walls, change friction and sensors.')
+        prog='push play', description='Open a page on which you play with the simulation of a '
+        'task: drag goal and object, draw walls, change friction and sensors.')
     parser.add_argument('scenario', nargs='?', default=DEMO, metavar='SCENARIO',
                         help='path of a scenario file, or name of a scenario of the package, with '
                         f'a task (default: {DEMO})')
@@ -74,7 +75,7 @@ async def _serve(options: argparse.Namespace) -> None:
     title = options.scenario.replace('_', ' ')
     async with serve(title, session.log, session.handle, host=options.host or LOCAL,
                      port=options.port, token=token) as url:
-        print(f'play: {url} (end with Ctrl-C)', flush=True)
+        print(f'push play: {url} (end with Ctrl-C)', flush=True)
         if not options.no_browser:
             webbrowser.open(url)
         running = asyncio.create_task(session.run())

@@ -204,13 +204,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     Run the page.
 
-    :param arguments: command line; None for that of the process.
+    :param arguments: words after the command's name; None for those of the process.
     :return: exit status.
     """
-    _, *words = sys.argv if arguments is None else arguments
+    words = list(sys.argv[1:] if arguments is None else arguments)
     end = words.index(ROS_ARGUMENTS) if ROS_ARGUMENTS in words else len(words)
     try:
-        options = _parser().parse_args(words[:end])
+        options = make_parser().parse_args(words[:end])
     except SystemExit as finished:
         return BAD_PARAMETER if finished.code else 0
     parameters = [f'{name}:={value}' for name, value in vars(options).items() if value is not None]
@@ -218,10 +218,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return run(ViewNode, [*(words[end:] or [ROS_ARGUMENTS]), *flags])
 
 
-def _parser() -> argparse.ArgumentParser:
+def make_parser() -> argparse.ArgumentParser:
+    """Make the parser of the command line."""
     parser = argparse.ArgumentParser(
-        prog='view', allow_abbrev=False, description='Serve a page that shows the robot. Options '
-        'stand for the parameters of the same names; others follow --ros-args.')
+        prog='push view', allow_abbrev=False, description='Serve a page that shows the robot. '
+        'Options stand for the parameters of the same names; others follow --ros-args.')
     parser.add_argument('--control', action='store_const', const='true',
                         help='let the page set goals and call start, stop, pause and resume')
     parser.add_argument('--port', type=int, help='port of the page, 0 for any that is free')

@@ -38,7 +38,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     :param arguments: words after the command's name; None for those of the process.
     :return: exit status: 0 when everything is done, 2 on an error, 130 when interrupted.
     """
-    options = _parser().parse_args(arguments)
+    options = make_parser().parse_args(arguments)
     try:
         options.action(options)
     except KeyboardInterrupt:
@@ -52,9 +52,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return EXIT_DONE
 
 
-def _parser() -> argparse.ArgumentParser:
+def make_parser() -> argparse.ArgumentParser:
+    """Make the parser of the command line."""
     parser = argparse.ArgumentParser(
-        prog='python -m studies', description='Compute and draw how pushed objects behave: the '
+        prog='push study', description='Compute and draw how pushed objects behave: the '
         'figures of the thesis, and stable regions of any object.')
     actions = parser.add_subparsers(required=True)
     listing = actions.add_parser('list', help='list the studies and their parameters')
@@ -97,7 +98,7 @@ def _count(text: str) -> int:
 
 
 def _complain(text: str, status: int) -> int:
-    print(f'studies: {text}', file=sys.stderr)
+    print(f'push study: {text}', file=sys.stderr)
     return status
 
 

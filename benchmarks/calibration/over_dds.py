@@ -1,5 +1,5 @@
 """
-The command ``calibrate`` against drawn bases over DDS, as a new user runs it.
+The command ``push calibrate`` against drawn bases over DDS, as a new user runs it.
 
 The simulator and the command are processes of their own, in lockstep. What the command writes is
 compared with the truth, and then states the robot of a task over DDS.
@@ -74,7 +74,7 @@ def calibrate_over_dds(base: DrawnBase, seed: int, folder: Path) -> Calibrated:
 
 def run_command(base: DrawnBase, seed: int, folder: Path) -> RoundRobot:
     """
-    Start a simulated base and ``calibrate``; read the file of the robot.
+    Start a simulated base and ``push calibrate``; read the file of the robot.
 
     :param base: ``DrawnBase``.
     :param seed: of the noise.

@@ -1,7 +1,7 @@
 """
 Benchmark of the page: frames in a second, and what takes long, while a simulation runs.
 
-A session of ``play`` runs at real time in a process of its own; a browser without a window shows
+A session of ``push play`` runs at real time in a process of its own; a browser without a window shows
 it. Frames are counted by ``requestAnimationFrame``, and tasks that keep the page busy for longer
 than 50 ms by a ``PerformanceObserver``. The time in which the page computes a frame is that of its
 scripts; what the browser then paints is in the interval between frames alone.
@@ -52,7 +52,7 @@ def options() -> argparse.Namespace:
 
 @contextlib.contextmanager
 def playing(scenario: str) -> Generator[str, None, None]:
-    """Run ``play`` inside this context; return the address of the page."""
+    """Run ``push play`` inside this context; return the address of the page."""
     words = [sys.executable, '-m', 'push_view.cli', scenario, '--no-browser', '--port', '0']
     with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None

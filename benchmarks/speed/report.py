@@ -70,7 +70,7 @@ def start_rows(repeat: int) -> list[Row]:
     rows: list[Row] = []
     python = median(lambda: measures.process_time(measures.NOTHING), repeat)
     for what, aim, words in (('`import push_planner`, CPU', 0.2, measures.IMPORT),
-                             ('`replay --list`, CPU', 0.3, measures.LIST),
+                             ('`push replay --list`, CPU', 0.3, measures.LIST),
                              *(('imports of the node ' + name + ', CPU', 0.5,
                                 ('-c', f'import {module}'))
                                for name, module in measures.NODES.items())):

@@ -1,4 +1,4 @@
-"""Command line ``calibrate``: find out what a base is like, and write it down."""
+"""Command line ``push calibrate``: find out what a base is like, and write it down."""
 
 import argparse
 from collections.abc import Callable, Sequence
@@ -42,7 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
     end = words.index(ROS_ARGUMENTS) if ROS_ARGUMENTS in words else len(words)
-    options = _parser().parse_args(words[:end])
+    options = make_parser().parse_args(words[:end])
     try:
         options.out.mkdir(parents=True, exist_ok=True)
         if options.recording:
@@ -51,14 +51,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return _calibrate_simulated(options)
         return _calibrate_over_ros(options, words[end:] or [ROS_ARGUMENTS])
     except (ValueError, OSError, RuntimeError) as error:
-        print(f'calibrate: {error}', file=sys.stderr)
+        print(f'push calibrate: {error}', file=sys.stderr)
         return MISUSE
 
 
-def _parser() -> argparse.ArgumentParser:
+def make_parser() -> argparse.ArgumentParser:
+    """Make the parser of the command line."""
     parser = argparse.ArgumentParser(
-        prog='calibrate', allow_abbrev=False, description='Drive a base for two minutes within a '
-        'free square of two metres, in whose middle it stands, and write down what it is like. '
+        prog='push calibrate', allow_abbrev=False, description='Drive a base for two minutes '
+        'within a free square of two metres, in whose middle it stands, and write down what it '
+        'is like. '
         'Parameters and topics follow --ros-args, as --params-file FILE -r odom:=/odom; see '
         'docs/robots/calibrate.md.')
     parser.add_argument('--sim', metavar='SCENARIO',
@@ -175,7 +177,7 @@ def _evaluate(recording: Recording, folder: Path, written: list[Path]) -> int:
     try:
         products.write(recording)
     except KeyboardInterrupt:
-        print(f'calibrate: interrupted; continue with --from {folder / RECORDING}',
+        print(f'push calibrate: interrupted; continue with --from {folder / RECORDING}',
               file=sys.stderr)
         return INTERRUPTED
     finally:
@@ -213,7 +215,8 @@ class _Products:
             return make()
         except Exception as error:  # noqa: B902 (named, and the exit status)
             self.has_failed = True
-            print(f'calibrate: {name} failed: {type(error).__name__}: {error}', file=sys.stderr)
+            print(f'push calibrate: {name} failed: {type(error).__name__}: {error}',
+                  file=sys.stderr)
             return None
 
     def _write_text(self, name: str, text: str) -> None:
@@ -225,7 +228,7 @@ class _Products:
         try:
             from push_scenario.plots.calibration import draw_calibration
         except ModuleNotFoundError as error:
-            print(f'calibrate: no picture: module {error.name} is not installed',
+            print(f'push calibrate: no picture: module {error.name} is not installed',
                   file=sys.stderr)
             return
         draw_calibration(calibration, self._folder / PICTURE)

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from push_model.files.data import share_directory
 from push_model.files.strict_yaml import first_value, ParameterFileError
+from push_model.suggestion import did_you_mean
 
 
 def scenario_directory() -> Path:
@@ -29,8 +30,9 @@ def find_scenario(name: str | Path) -> Path:
         return path
     path = scenario_directory() / f'{name}.yaml'
     if not path.is_file():
+        names = scenario_names()
         raise ParameterFileError(f'{name}: got no such scenario, expected a path or one of '
-                                 + ', '.join(scenario_names()))
+                                 + ', '.join(names) + did_you_mean(str(name), names))
     return path
 
 

@@ -22,19 +22,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
     :param arguments: words after the command's name; None for those of the process.
     :return: exit status: 0 when the file is written, 2 on an error.
     """
-    options = _parser().parse_args(arguments)
+    options = make_parser().parse_args(arguments)
     try:
         _identify(options)
     except (ValueError, OSError, RuntimeError) as error:
-        print(f'identify: {error}', file=sys.stderr)
+        print(f'push identify: {error}', file=sys.stderr)
         return EXIT_MISUSE
     return EXIT_DONE
 
 
-def _parser() -> argparse.ArgumentParser:
+def make_parser() -> argparse.ArgumentParser:
+    """Make the parser of the command line."""
     parser = argparse.ArgumentParser(
-        prog='identify', description='Identify centre of friction, c^2 and contact friction of '
-        'an object from recorded pushes; see docs/identify.md.')
+        prog='push identify', description='Identify centre of friction, c^2 and contact friction '
+        'of an object from recorded pushes; see docs/identify.md.')
     parser.add_argument('bag', type=Path, metavar='BAG', help='folder of a rosbag2 recording')
     parser.add_argument('--object', required=True, metavar='OBJECT',
                         help='nominal object: a name in config/objects, or a file')

@@ -49,8 +49,8 @@ class CommandRelay:
         """
         command = parse_command(text)
         if not self._is_enabled:
-            raise CommandRefused('this page is read only; start view with --control to command '
-                                 'the robot')
+            raise CommandRefused('this page is read only; start push view with --control '
+                                 'to command the robot')
         if not isinstance(command, (SetGoal, Call)):
             raise CommandRefused('that is possible in a simulation only')
         if isinstance(command, Call) and not self._clients[command.name].service_is_ready():

@@ -89,7 +89,7 @@ def test_a_table_that_differs_would_be_noticed():
 
 
 def test_every_scenario_is_listed():
-    """The table of scenarios names those that ``replay --list`` does."""
+    """The table of scenarios names those that ``push replay --list`` does."""
     listed = re.findall(r'^\| `(\w+)` \| \w[^|]*\|$', TEXTS['docs/scenarios.md'], re.MULTILINE)
     assert sorted(listed) == scenario_names()
 

@@ -117,7 +117,7 @@ def stop(process):
     return process.communicate(timeout=PATIENCE)[0]
 
 
-@pytest.mark.parametrize('name', [*EXECUTABLES, 'play', 'replay'])
+@pytest.mark.parametrize('name', [*EXECUTABLES, 'calibrate', 'identify', 'play', 'replay', 'view'])
 def test_ros2_run_finds_the_executable(workspace, name):
     """It lies in lib/push_control and may be executed."""
     assert os.access(script(workspace, name), os.X_OK)
@@ -147,9 +147,11 @@ def test_all_data_are_installed(workspace):
                 if path.is_file()} == wanted
 
 
-def test_replay_tells_its_usage(workspace, start):
-    """The command line answers from the installed script."""
-    process = start(script(workspace, 'replay'), '--help')
+@pytest.mark.parametrize('is_on_path', [True, False])
+def test_replay_tells_its_usage(workspace, start, is_on_path):
+    """In a sourced workspace ``push`` is on the path; the script of ``ros2 run`` answers, too."""
+    words = ['push', 'replay'] if is_on_path else [script(workspace, 'replay')]
+    process = start(*words, '--help')
     output = process.communicate(timeout=PATIENCE)[0]
     assert process.returncode == 0, output
     assert '--in-process' in output
@@ -211,7 +213,8 @@ def test_pip_installs_code_and_data(tmp_path):
                  'print(data.config_file("objects/box_04.yaml"))'], tmp_path,
                 env={**outside(tmp_path), 'PYTHONPATH': str(library)})
     assert Path(share.strip()) == prefix / 'share/push_control/config/objects/box_04.yaml'
-    assert (prefix / 'bin' / 'replay').is_file()
+    assert [path.name for path in (prefix / 'bin').iterdir()] == ['push']
+    assert os.access(prefix / 'lib' / 'push_control' / 'controller', os.X_OK)
     assert (library / 'push_view' / 'page' / 'index.html').is_file()
 
 

@@ -6,7 +6,7 @@ import signal
 import subprocess
 import sys
 
-from push_ros.start import BROKEN_PIPE, import_node_module, INTERRUPTED, NODES, TOOLS
+from push_ros.start import BROKEN_PIPE, import_node_module, INTERRUPTED, NODES, PUSH, TOOLS
 import pytest
 
 # Sends a signal to itself as soon as the module of a command is imported.
@@ -18,6 +18,7 @@ class Interrupt:
         if name == {module!r}:
             os.kill(os.getpid(), {number})
 sys.meta_path.insert(0, Interrupt())
+sys.argv = ["push", *{words!r}]
 sys.exit(start.{name}())
 """
 
@@ -25,10 +26,11 @@ sys.exit(start.{name}())
 @pytest.mark.parametrize('name, module, number, status', [
     *((name, module, number, 0) for name, (module, _) in NODES.items()
       for number in (signal.SIGINT, signal.SIGTERM)),
+    ('push', PUSH, signal.SIGINT, INTERRUPTED),
     *((name, module, signal.SIGINT, INTERRUPTED) for name, module in TOOLS.items())])
 def test_an_interrupt_during_the_imports_ends_a_command_quietly(name, module, number, status):
     """With nothing on either stream."""
-    code = INTERRUPTED_IMPORT.format(module=module, number=int(number), name=name)
+    code = INTERRUPTED_IMPORT.format(module=module, number=int(number), name=name, words=[])
     done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True)
     assert (done.returncode, done.stdout, done.stderr) == (status, '', '')
 
@@ -36,17 +38,16 @@ def test_an_interrupt_during_the_imports_ends_a_command_quietly(name, module, nu
 def test_an_interrupt_of_a_tool_that_has_just_begun_ends_it_quietly() -> None:
     """While it imports what it needs for its arguments."""
     code = INTERRUPTED_IMPORT.format(module='push_view.belief', number=int(signal.SIGINT),
-                                     name='replay')
-    done = subprocess.run([sys.executable, '-c', code, 'curved_push'], capture_output=True,
-                          text=True)
+                                     name='push', words=['replay', 'curved_push'])
+    done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True)
     assert (done.returncode, done.stdout, done.stderr) == (INTERRUPTED, '', '')
 
 
 @pytest.mark.slow
 def test_output_that_nobody_reads_ends_a_tool_quietly():
     """As behind ``| head``: whoever reads has gone before anything is written."""
-    code = 'import sys; from push_ros import start; sys.exit(start.replay())'
-    with subprocess.Popen([sys.executable, '-c', code, '--list'], stdout=subprocess.PIPE,
+    code = 'import sys; from push_ros import start; sys.exit(start.push())'
+    with subprocess.Popen([sys.executable, '-c', code, 'replay', '--list'], stdout=subprocess.PIPE,
                           stderr=subprocess.PIPE, text=True) as process:
         process.stdout.close()
         errors = process.stderr.read()

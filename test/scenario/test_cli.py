@@ -1,4 +1,4 @@
-"""The command ``replay`` as a user meets it, in process."""
+"""The command ``push replay`` as a user meets it, in process."""
 
 import os
 from pathlib import Path
@@ -170,7 +170,7 @@ def test_wrong_words_show_the_usage(capsys, words):
     with pytest.raises(SystemExit) as error:
         main(words)
     assert error.value.code == 2
-    assert 'usage: replay' in capsys.readouterr().err
+    assert 'usage: push replay' in capsys.readouterr().err
 
 
 def test_an_interrupt_that_a_compiled_library_hides_is_still_one():

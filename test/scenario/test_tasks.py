@@ -28,7 +28,7 @@ OVERLAP, RUN_INTO = 0.01, 'the robot has run into the object'
 
 @functools.lru_cache(maxsize=None)
 def result_of(name, law='feedback'):
-    """Simulate a task as ``replay`` does, once."""
+    """Simulate a task as ``push replay`` does, once."""
     return simulate(load_scenario(name), law, planning_time=0.0)
 
 

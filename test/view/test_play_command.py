@@ -1,4 +1,4 @@
-"""The command ``play`` as one meets it who gets a word wrong."""
+"""The command ``push play`` as one meets it who gets a word wrong."""
 
 import socket
 

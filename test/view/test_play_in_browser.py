@@ -1,4 +1,4 @@
-"""The command ``play`` as its user meets it: a server, a browser, a mouse and keys."""
+"""The command ``push play`` as its user meets it: a server, a browser, a mouse and keys."""
 
 from contextlib import contextmanager
 import os
@@ -18,7 +18,7 @@ pytestmark = [pytest.mark.browser, pytest.mark.slow]
 
 @contextmanager
 def playing(scenario):
-    """Run ``play``; yield the address that it prints, and end it by Ctrl-C."""
+    """Run ``push play``; yield the address that it prints, and end it by Ctrl-C."""
     import_extra('aiohttp', 'play')
     words = [sys.executable, '-m', 'push_view.cli', scenario, '--no-browser', '--port', '0']
     with subprocess.Popen(words, stdout=subprocess.PIPE, text=True, cwd=ROOT,

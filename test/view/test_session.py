@@ -238,7 +238,7 @@ def sensors_of(name):
 
 
 def test_other_sensors_are_made_known_to_the_controller(session):
-    """As ``replay --sensors`` does, whatever was chosen before; the law stays."""
+    """As ``push replay --sensors`` does, whatever was chosen before; the law stays."""
     before = session._setup.scenario
     session.handle(command('choose', sensors='own_camera'))
     assert session._setup.scenario == with_sensors(before, sensors_of('own_camera'))

@@ -1,4 +1,4 @@
-"""The command ``identify``: from a bag to an object file."""
+"""The command ``push identify``: from a bag to an object file."""
 
 import dataclasses
 import math
