@@ -17,7 +17,7 @@ ifdef ROS_DISTRO
 unexport LD_LIBRARY_PATH
 endif
 
-.PHONY: help demo play faults fuzz test test-fast lint lint-style lint-types lock clean
+.PHONY: help demo play faults fuzz test test-fast lint lint-style lint-types docs lock clean
 .DEFAULT_GOAL := help
 
 help: ## list the targets
@@ -51,6 +51,9 @@ lint-style: .venv/linters
 lint-types: .venv/linters
 	$(BIN)/basedpyright
 
+docs: .venv/docs ## the documentation as a site with search: out/docs/index.html
+	$(BIN)/python -m sphinx --quiet --fail-on-warning --keep-going docs out/docs
+
 # Pins that are there stay, unless requirements.in forbids them; ARGS="--upgrade-package scipy"
 # moves one, ARGS=--upgrade all. The markers hold for every Python from the oldest on.
 lock: ## pin what requirements.in asks for
@@ -81,4 +84,8 @@ clean: ## remove everything made here
 # The type checker brings a Node.js of its own, which the package itself does not need.
 .venv/linters: .venv/installed requirements-lint.txt
 	$(PIP_INSTALL) -r requirements-lint.txt
+	@touch $@
+
+.venv/docs: .venv/installed requirements-docs.txt
+	$(PIP_INSTALL) -r requirements-docs.txt
 	@touch $@
