@@ -16,6 +16,7 @@ from typing import NamedTuple
 from xml.etree import ElementTree
 
 from push_model.files.data import share_directory
+from push_model.optional import how_to_install
 from push_model.suggestion import did_you_mean
 
 DONE, MISUSE = 0, 2
@@ -76,10 +77,12 @@ def main(words: Sequence[str]) -> int:
     try:
         return _import(name).main(rest)
     except ModuleNotFoundError as error:
-        if error.name != STUDIES:
+        if error.name == STUDIES:
+            return _complain('study: got an installation without studies, expected a checkout '
+                             'of the repository')
+        if not how_to_install(error.name):
             raise
-        return _complain('study: got an installation without studies, expected a checkout of '
-                         'the repository')
+        return _complain(f'{name}: {how_to_install(error.name)}')
 
 
 def usage() -> str:
@@ -118,8 +121,7 @@ def _print_completion(words: Sequence[str]) -> int:
     try:
         from argcomplete.shell_integration import shellcode
     except ModuleNotFoundError:
-        return _complain("completion: got no module argcomplete; pip install 'push_control"
-                         "[completion]', or apt install python3-argcomplete")
+        return _complain(f'completion: {how_to_install("argcomplete")}')
     print(shellcode(['push'], shell=words[0]))
     return DONE
 

@@ -27,6 +27,7 @@ TOOLS = {'calibrate': 'push_scenario.calibration.cli',
 # Exit statuses of a shell for a tool that Ctrl-C ends, and for one whose reader has gone.
 INTERRUPTED = 130
 BROKEN_PIPE = 141
+MISUSE = 2
 
 
 def controller() -> int:
@@ -62,7 +63,14 @@ def view(words: list[str] | None = None) -> int:
     :return: exit status.
     """
     _leave_on_signals()
-    return import_node_module(VIEW).main(sys.argv[1:] if words is None else words)
+    try:
+        module = import_node_module(VIEW)
+    except ModuleNotFoundError as error:
+        if error.name != 'rclpy':
+            raise
+        print('push view: no module rclpy: source a ROS installation', file=sys.stderr)
+        return MISUSE
+    return module.main(sys.argv[1:] if words is None else words)
 
 
 def push() -> int:

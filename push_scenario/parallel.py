@@ -24,15 +24,13 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from push_control.task.code_text import code_text
 from push_model.files.whole_file import write_whole
 from push_scenario.definition.scenario import Scenario
-from push_scenario.evaluation.metrics import is_as_expected, measure
+from push_scenario.evaluation.result_row import result_row, Row
 from push_scenario.interrupts import Interrupts
 from push_scenario.simulation.loop import simulate
 
 Job = Any
-Row = dict[str, Any]
 JobFunction = Callable[[Job], Row]
 # Called with (finished jobs, all jobs).
 Progress = Callable[[int, int], None]
@@ -70,14 +68,9 @@ def simulated(scenario: Scenario) -> Row:
     Simulate a scenario, and measure how it ended.
 
     :param scenario: which.
-    :return: ``scenario`` (its name), ``outcome``, ``reason``, ``codes``, ``is_as_expected``, and
-        the fields of ``Metrics`` where something moved.
+    :return: see ``result_row``.
     """
-    result = simulate(scenario)
-    metrics = measure(result)
-    return {'scenario': scenario.name, 'outcome': result.outcome.value, 'reason': result.reason,
-            'codes': code_text(result.codes), 'is_as_expected': is_as_expected(result),
-            **({} if metrics is None else dataclasses.asdict(metrics))}
+    return result_row(simulate(scenario))
 
 
 def run_many(function: JobFunction, jobs: Iterable[Job], *, folder: str | Path | None = None,

@@ -1,4 +1,4 @@
-"""A line of a terminal that is written over, and fits into its window."""
+"""What a terminal can do: colours, and a line that is written over and fits into the window."""
 
 import os
 from typing import TextIO
@@ -6,6 +6,16 @@ from typing import TextIO
 # Window of a terminal that does not tell its size, and what stands for the rest of a line.
 DEFAULT_COLUMNS = 80
 ELLIPSIS = '...'
+
+
+def shows_colors(stream: TextIO) -> bool:
+    """
+    Tell whether colours may be written: to a terminal whose user has not set ``NO_COLOR``.
+
+    :param stream: such as ``sys.stdout``.
+    """
+    is_dumb = os.environ.get('TERM') == 'dumb'
+    return stream.isatty() and not os.environ.get('NO_COLOR') and not is_dumb
 
 
 class TerminalLine:

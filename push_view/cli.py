@@ -11,6 +11,7 @@ import sys
 import time
 import webbrowser
 
+from push_model.optional import how_to_install
 from push_scenario.definition.catalogue import find_scenario
 from push_scenario.definition.loader import read_scenario
 from push_view.live.live_session import LiveSession
@@ -69,7 +70,7 @@ async def _serve(options: argparse.Namespace) -> None:
     try:
         from push_view.server.serving import serve
     except ModuleNotFoundError as error:
-        raise RuntimeError(f'no module {error.name}: install the extra play (aiohttp)') from error
+        raise RuntimeError(how_to_install(error.name) or str(error)) from error
     session = LiveSession(read_scenario(find_scenario(options.scenario)), time.monotonic)
     token = None if options.host is None else secrets.token_urlsafe()
     title = options.scenario.replace('_', ' ')

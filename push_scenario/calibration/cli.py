@@ -13,6 +13,7 @@ from push_base.calibration.recording_file import from_csv, to_csv
 from push_base.calibration.report import summary, WRITERS
 from push_base.calibration.touch_program import TouchPlan
 from push_model.files.whole_file import write_whole
+from push_model.optional import how_to_install
 from push_scenario.terminal_line import TerminalLine
 
 if TYPE_CHECKING:
@@ -228,7 +229,7 @@ class _Products:
         try:
             from push_scenario.plots.calibration import draw_calibration
         except ModuleNotFoundError as error:
-            print(f'push calibrate: no picture: module {error.name} is not installed',
+            print(f'push calibrate: no picture: {how_to_install(error.name) or error}',
                   file=sys.stderr)
             return
         draw_calibration(calibration, self._folder / PICTURE)

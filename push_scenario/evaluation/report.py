@@ -1,15 +1,23 @@
-"""Report of a replay: a table with a row for each metric and a column for each run."""
+"""Report of a replay: how it ended, and a row for each metric with a column for each run."""
 
 from collections.abc import Callable, Iterator, Sequence
 import math
+import textwrap
 from typing import Any, NamedTuple
 
 from push_scenario.definition.scenario import Scenario
-from push_scenario.evaluation.metrics import bounds_missed, measure, Metrics, verdict
+from push_scenario.evaluation.headline import headline
+from push_scenario.evaluation.metrics import (
+    bounds_missed, is_as_expected, measure, Metrics, verdict,
+)
 from push_scenario.simulation.result import Outcome, RunResult, WallClockTiming
 
 TITLES = {'open_loop': 'open loop', 'feedback': 'feedback', 'mpc': 'mpc'}
 NOT_APPLICABLE = '-'
+# Columns of a terminal that nobody has widened.
+COLUMNS = 80
+# What turns the text of a terminal green, red and back.
+GREEN, RED, PLAIN = '\x1b[1;32m', '\x1b[1;31m', '\x1b[0m'
 
 
 def _always(_: Scenario) -> bool:
@@ -37,9 +45,12 @@ def _yes_or_no(value: bool) -> str:
 
 
 def _seconds(value: float) -> str:
-    if math.isnan(value):
-        return NOT_APPLICABLE
-    return f'{value:.2f}' if math.isfinite(value) else 'none'
+    return f'{value:.2f}' if math.isfinite(value) else NOT_APPLICABLE
+
+
+def _of_one_plan(value: float | None, factor: float) -> str:
+    """Write what a run has that followed one plan."""
+    return NOT_APPLICABLE if value is None else f'{factor * value:.1f}'
 
 
 class Row(NamedTuple):
@@ -73,9 +84,9 @@ ROWS: tuple[Row, ...] = (
     Row('time in contact', 's', lambda m: _seconds(m.contact_time)),
     Row('path length of the robot', 'm', lambda m: f'{m.robot_path_length:.3f}'),
     Row('path length of the object', 'm', lambda m: f'{m.object_path_length:.3f}'),
-    Row('path length against the plan', '%', lambda m: f'{1e2 * m.path_length_ratio:.1f}',
+    Row('path length against the plan', '%', lambda m: _of_one_plan(m.path_length_ratio, 1e2),
         _is_single_push),
-    Row('largest distance from the plan', 'mm', lambda m: f'{1e3 * m.max_deviation:.1f}',
+    Row('largest distance from the plan', 'mm', lambda m: _of_one_plan(m.max_deviation, 1e3),
         _is_single_push),
     Row('sliding at the contact', 'mm', lambda m: f'{1e3 * m.slip:.1f}'),
     Row('robot clear of the object', 'mm', lambda m: f'{1e3 * m.gap:.0f}', _is_task,
@@ -90,23 +101,34 @@ TIMING_ROWS: tuple[Row, ...] = (
 )
 
 
-def format_report(results: Sequence[RunResult]) -> str:
+def format_report(results: Sequence[RunResult], *, is_colored: bool = False) -> str:
     """
-    Compare runs of one scenario, as aligned plain text.
+    Say how runs of one scenario ended, and compare them, as aligned text.
 
     Runs over DDS have rows on their timing besides. Below the table stands what went wrong.
 
     :param results: the ``RunResult`` of each run, one or more.
+    :param is_colored: show in green what ended as expected, and in red what did not.
     :return: lines without a newline at the end.
     """
     lines = report_table(results)
+    lines[0][0] = results[0].scenario.name
     notes = [note for result in results for note in report_notes(result)]
-    return '\n'.join([results[0].scenario.name, *_aligned(lines), *notes])
+    return '\n'.join([*_headlines(results, is_colored), '', *_aligned(lines), *notes])
+
+
+def _headlines(results: Sequence[RunResult], is_colored: bool) -> Iterator[str]:
+    for result in results:
+        title = f'{TITLES[result.control_law]}: ' if len(results) > 1 else ''
+        text = textwrap.fill(title + headline(result), COLUMNS, subsequent_indent='  ',
+                             break_long_words=False, break_on_hyphens=False)
+        color = GREEN if is_as_expected(result) else RED
+        yield f'{color}{text}{PLAIN}' if is_colored else text
 
 
 def report_table(results: Sequence[RunResult]) -> list[list[str]]:
     """
-    List the cells of the table: title, unit, a cell per run, bound.
+    List the cells of the table: title, unit, a cell per run, bound; rows without a value are out.
 
     :param results: the ``RunResult`` of each run of one scenario, one or more.
     :return: lines, the first one the head.
@@ -124,10 +146,13 @@ def report_table(results: Sequence[RunResult]) -> list[list[str]]:
 
 def _table_rows(rows: Sequence[Row], scenario: Scenario,
                 values: Sequence[Metrics | WallClockTiming | None]) -> list[list[str]]:
-    return [[row.title, f'[{row.unit}]' if row.unit else '']
-            + [NOT_APPLICABLE if value is None else row.text(value) for value in values]
-            + [row.bound(scenario)]
-            for row in rows if row.applies(scenario)]
+    lines: list[list[str]] = []
+    for row in rows:
+        cells = [NOT_APPLICABLE if value is None else row.text(value) for value in values]
+        if row.applies(scenario) and any(cell != NOT_APPLICABLE for cell in cells):
+            unit = f'[{row.unit}]' if row.unit else ''
+            lines.append([row.title, unit, *cells, row.bound(scenario)])
+    return lines
 
 
 def report_notes(result: RunResult) -> Iterator[str]:

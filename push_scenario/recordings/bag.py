@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from push_model.geometry import FloatArray
+from push_model.optional import how_to_install
 
 NANOSECOND = 1e-9
 POSE_TYPES = ('geometry_msgs/msg/PoseStamped', 'geometry_msgs/msg/PoseWithCovarianceStamped',
@@ -40,8 +41,7 @@ def open_bag(bag: Path) -> Generator[Any, None, None]:
         from rosbags.highlevel import AnyReader, AnyReaderError
         from rosbags.typesys import get_typestore, Stores
     except ImportError as error:
-        raise RuntimeError('reading a recording needs rosbags (extra "record"): no module '
-                           f'{error.name}') from error
+        raise RuntimeError(f'reading a recording: {how_to_install("rosbags")}') from error
     if not bag.is_dir():
         raise ValueError(f'bag: got {bag}, no folder, expected a rosbag2 recording')
     try:

@@ -1,11 +1,14 @@
 """The command ``push replay`` as a user meets it, in process."""
 
+from importlib import util
+import json
 import os
 from pathlib import Path
 import re
 import signal
 import subprocess
 import sys
+from xml.etree import ElementTree
 
 from PIL import Image
 from push_scenario.cli import main
@@ -13,9 +16,20 @@ from push_scenario.definition.catalogue import find_scenario, scenario_names
 from push_scenario.definition.loader import read_scenario, scenario_text
 from push_scenario.interrupts import Interrupts
 from push_sim_node.tape import Tape
+from push_view import report
 import pytest
 
 ROOT = Path(__file__).parents[2]
+
+
+class MissingExtra:
+    """Module that needs one which is not installed."""
+
+    def __init__(self, name):
+        self._name = name
+
+    def __getattr__(self, _):
+        raise ModuleNotFoundError(f'No module named {self._name!r}', name=self._name)
 
 
 def replay(tmp_path, *words):
@@ -71,6 +85,25 @@ def test_refusal_is_success_where_it_is_expected(tmp_path, capsys):
     assert replay(tmp_path, 'unreachable_goal') == 0
     assert 'at most 3 m is accepted' in capsys.readouterr().out
     assert not list((tmp_path / 'out').glob('*.png'))
+
+
+def test_several_scenarios_leave_results_for_other_programs(tmp_path, capsys):
+    """One that cannot be run is an error of its own, and the next one is run."""
+    (tmp_path / 'out').mkdir()
+    (tmp_path / 'out' / 'blocked.yaml').mkdir()
+    blocked = write(tmp_path, 'blocked')
+    junit = tmp_path / 'junit.xml'
+    assert replay(tmp_path, str(blocked), 'unreachable_goal', '--json', '--junit',
+                  str(junit)) == 2
+    printed = capsys.readouterr()
+    error, row = json.loads(printed.out)
+    assert error['scenario'] == 'blocked' and error['error'] in printed.err
+    assert (row['scenario'], row['outcome'], row['law'], row['is_as_expected']) == (
+        'unreachable_goal', 'refused', 'feedback', True)
+    suite = ElementTree.parse(junit).getroot()
+    assert (suite.get('tests'), suite.get('errors'), suite.get('failures')) == ('2', '1', '0')
+    assert [case.get('name') for case in suite] == ['blocked', 'unreachable_goal']
+    assert suite[0].find('error').get('message') == error['error']
 
 
 def test_refusal_is_failure_where_it_is_not_expected(tmp_path):
@@ -132,6 +165,32 @@ def test_every_closed_loop_must_arrive(tmp_path, monkeypatch, missing):
     path = write(tmp_path, 'hasty', time_limit=1.0)
     laws = ('--law', 'feedback', '--law', 'mpc')
     assert replay(tmp_path, str(path), *laws, '--no-pictures') == 1
+
+
+def test_what_cannot_be_drawn_hides_no_result(tmp_path, capsys, monkeypatch):
+    """Neither a defect of a drawing nor a missing extra changes table and status."""
+    path = write(tmp_path, 'hasty', time_limit=1.0)
+    assert replay(tmp_path, str(path), '--law', 'open_loop', '--no-pictures') == 1
+    table = capsys.readouterr().out
+    monkeypatch.setattr(report, 'write_report', lambda *_: [][0])
+    monkeypatch.setitem(sys.modules, 'push_scenario.plots.figure', None)
+    monkeypatch.setitem(sys.modules, 'push_scenario.plots.animation', MissingExtra('matplotlib'))
+    assert replay(tmp_path, str(path), '--law', 'open_loop', '--gif') == 1
+    printed = capsys.readouterr()
+    assert printed.out == table
+    assert 'no hasty.html: IndexError: ' in printed.err
+    assert 'no hasty.png: ModuleNotFoundError: ' in printed.err
+    assert ("no hasty.gif: no module matplotlib: pip install 'push_control[plot]'"
+            in printed.err)
+
+
+def test_without_ros_a_replay_runs_in_one_process_and_says_so(tmp_path, capsys, monkeypatch):
+    find_spec = util.find_spec
+    monkeypatch.setattr(util, 'find_spec',
+                        lambda name: None if name == 'rclpy' else find_spec(name))
+    assert main(['unreachable_goal', '--out', str(tmp_path)]) == 0
+    printed = capsys.readouterr()
+    assert 'one process' in printed.err and 'REFUSED, as expected' in printed.out
 
 
 @pytest.mark.slow

@@ -7,7 +7,7 @@ import struct
 import termios
 import threading
 
-from push_scenario.cli import ProgressLine
+from push_scenario.progress_line import ProgressLine
 from push_scenario.simulation.loop import Progress
 import pytest
 

@@ -1,11 +1,13 @@
 """The table that a replay prints."""
 
 import dataclasses
+import math
 import re
 
 from helpers.tapes import make_result, make_tape, straight_plan, TIMES
 from push_scenario.definition.loader import load_scenario
-from push_scenario.evaluation.report import format_report
+from push_scenario.evaluation.headline import headline
+from push_scenario.evaluation.report import format_report, GREEN, PLAIN, RED
 from push_scenario.simulation.result import Outcome, RunResult
 import pytest
 
@@ -35,7 +37,7 @@ def test_rows_show_both_runs_and_the_bound():
 
 
 def test_columns_are_aligned():
-    lines = format_report(list(runs())).splitlines()[1:]
+    lines = format_report(list(runs())).split('\n\n')[1].splitlines()
     header = lines[0]
     ends = [header.index('open loop') + len('open loop'),
             header.index('feedback') + len('feedback')]
@@ -58,8 +60,44 @@ def test_a_run_that_is_done_elsewhere_has_missed():
 def test_a_refusal_is_reported_with_its_reason():
     scenario = load_scenario('unreachable_goal')
     text = format_report([RunResult(scenario, 'feedback', Outcome.REFUSED, 'it is too far')])
-    assert cells(text, 'final position error') == ['[mm]', '-', '20.0']
+    assert text.splitlines()[0] == 'REFUSED, as expected: it is too far'
     assert text.endswith('feedback: it is too far')
+
+
+def test_a_row_without_a_value_is_left_out():
+    """Nothing moved after a refusal; a plan that was replaced compares with no path."""
+    scenario = load_scenario('unreachable_goal')
+    refused = format_report([RunResult(scenario, 'feedback', Outcome.REFUSED, 'it is too far')])
+    assert 'final position error' not in refused and 'outcome' in refused
+    arrived = list(runs())[1]
+    without_contact = dataclasses.replace(arrived, duration=math.inf)
+    assert '\ntime  ' in format_report([arrived])
+    assert '\ntime  ' not in format_report([without_contact])
+
+
+def test_the_report_begins_with_how_each_run_ended():
+    """In at most 80 columns, with what the scenario allows."""
+    late, arrived = runs()
+    first = format_report([late, arrived]).split('\n\n')[0]
+    assert ' '.join(first.split()) == (
+        'open loop: MISSED in 9.0 s: 30.0 mm and 5.73 degrees from the goal, allowed 10 mm and '
+        '1.5 degrees feedback: DONE in 9.0 s: 0.0 mm and 0.00 degrees from the goal, allowed 10 '
+        'mm and 1.5 degrees')
+    assert max(map(len, first.splitlines())) <= 80
+    assert headline(arrived) in ' '.join(format_report([arrived]).split())
+
+
+def test_a_degree_is_one():
+    scenario = load_scenario('task_demo')
+    result = dataclasses.replace(list(runs())[1], scenario=scenario)
+    assert headline(result).endswith('allowed 10 mm and 1 degree')
+
+
+def test_what_ended_as_expected_is_green_and_the_rest_is_red():
+    late, arrived = runs()
+    text = format_report([late, arrived], is_colored=True)
+    assert text.startswith(RED + 'open loop: ') and GREEN + 'feedback: ' in text
+    assert PLAIN not in format_report([late, arrived])
 
 
 def test_a_result_without_its_parts_is_refused():
