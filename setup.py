@@ -48,7 +48,7 @@ setup(
         'steered': ['casadi>=3.7.0'],
         'cluster': ['distributed'],
         'completion': ['argcomplete'],
-        'play': ['aiohttp'],
+        'play': ['aiohttp', 'segno'],
         'plot': ['matplotlib', 'pillow', 'tqdm'],
         'record': ['rosbags'],
         'trees': ['py_trees'],

@@ -8,6 +8,7 @@ is nearly quasi-static: neither mass nor the level of friction on the floor matt
 distributed over the supports, and the friction of the contact.
 """
 
+from collections.abc import Callable
 import dataclasses
 import math
 from typing import Any, NamedTuple, Sequence
@@ -178,7 +179,8 @@ def _friction_samples(obj: PushedObject, factors: FloatArray,
 
 def build_table(obj: PushedObject, robot_radius: float, *, seed: int = 0,
                 lengths: Sequence[float] = LENGTHS,
-                friction_samples: FrictionSamples | None = None) -> PrimitiveTable:
+                friction_samples: FrictionSamples | None = None,
+                progress: Callable[[float], None] = lambda part: None) -> PrimitiveTable:
     """
     Simulate all primitives of an object.
 
@@ -186,6 +188,7 @@ def build_table(obj: PushedObject, robot_radius: float, *, seed: int = 0,
     :param seed: of the samples of friction.
     :param lengths: driven lengths to keep, increasing from 0 [m].
     :param friction_samples: ``FrictionSamples`` in place of those of the seed.
+    :param progress: called with the part that is done, from 0 to 1.
     :raises ValueError: where the radius is infinite or no face is long enough.
     """
     if not math.isfinite(robot_radius):
@@ -212,8 +215,10 @@ def build_table(obj: PushedObject, robot_radius: float, *, seed: int = 0,
         command=np.zeros(3))
     driven_lengths = np.array(lengths, dtype=float)
     # One by one: a signal is noticed between two calls.
-    for start, curvature, rows in zip(starts, kinds.curvatures.tolist(), displacements):
+    rows_to_do = zip(starts, kinds.curvatures.tolist(), displacements)
+    for count, (start, curvature, rows) in enumerate(rows_to_do, 1):
         _simulate(start, curvature, worlds, driven_lengths, rows)
+        progress(count / len(starts))
     return PrimitiveTable(
         points, kinds.point_indices, np.array([point.face for point in point_of]),
         kinds.approach_angles, kinds.curvatures, starts, driven_lengths, displacements, samples,

@@ -12,6 +12,7 @@ equation; V holds everything that remains to do: chains of pushes, corrections, 
 Gauss-Seidel sweeps from small distances outwards solve it.
 """
 
+from collections.abc import Callable, Generator, Sequence
 import math
 from typing import Any, NamedTuple
 
@@ -116,7 +117,8 @@ class Selection(NamedTuple):
 
 def solve_cost_to_go(table: PrimitiveTable, settings: CostSettings | None = None,
                      deviations: PlacementDeviations = LOCALIZED,
-                     from_above: bool = False) -> CostToGo:
+                     from_above: bool = False,
+                     progress: Callable[[float], None] = lambda part: None) -> CostToGo:
     """
     Solve Bellman's equation for an object.
 
@@ -125,6 +127,7 @@ def solve_cost_to_go(table: PrimitiveTable, settings: CostSettings | None = None
     :param deviations: ``PlacementDeviations`` of the pushes.
     :param from_above: whether the first guess is above the result, as for objects that are hard
         to turn.
+    :param progress: called with the part that is done, from 0 to 1.
     """
     settings = settings or CostSettings()
     distances = distance_grid(settings.position_limit)
@@ -146,18 +149,41 @@ def solve_cost_to_go(table: PrimitiveTable, settings: CostSettings | None = None
         CostGrid(values, distances, headings), actions,
         np.full((*shape[1:], shape[0], SELECTED_ACTIONS), -1, dtype=np.int16))
     best = np.zeros(shape[0])
-    for rounds in HIGH_ROUNDS if from_above else ROUNDS:
+    schedule = HIGH_ROUNDS if from_above else ROUNDS
+    passes = _Passes(sum(1 + 2 * rounds for rounds in schedule), progress)
+    for rounds in schedule:
         memory = _selection(values, len(actions.times))
         # By headings and by distances: a signal is noticed between two calls.
-        for k in range(0, len(headings), SELECTION_STRIDE):
+        for k in passes.over(range(0, len(headings), SELECTION_STRIDE)):
             _select_best(iteration, memory, k)
         for _ in range(rounds):
-            for i in range(len(distances)):
+            for i in passes.over(range(len(distances))):
                 _share_actions(iteration, memory, i)
             # From small distances outwards.
-            for i in range(len(distances)):
+            for i in passes.over(range(len(distances))):
                 _sweep(iteration, arrived, contact_times, best, i)
     return CostToGo(values, distances, headings)
+
+
+class _Passes:
+    """
+    Passes over the grid, which take about the same time each, and how far they are.
+
+    :param count: number of passes.
+    :param progress: called with the part that is done, from 0 to 1.
+    """
+
+    def __init__(self, count: int, progress: Callable[[float], None]) -> None:
+        self._count = count
+        self._progress = progress
+        self._complete = 0
+
+    def over(self, indices: Sequence[int]) -> Generator[int, None, None]:
+        """Yield the indices of one pass."""
+        for done, index in enumerate(indices, 1):
+            yield index
+            self._progress((self._complete + done / len(indices)) / self._count)
+        self._complete += 1
 
 
 def distance_grid(limit: float) -> FloatArray:

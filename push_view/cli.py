@@ -15,6 +15,7 @@ from push_model.optional import how_to_install
 from push_scenario.definition.catalogue import find_scenario
 from push_scenario.definition.loader import read_scenario
 from push_view.live.live_session import LiveSession
+from push_view.server.address import checked_origin, qr_code
 
 DEMO = 'task_demo'
 PORT = 8642  # chosen: not registered for anything
@@ -54,6 +55,9 @@ def make_parser() -> argparse.ArgumentParser:
     parser.add_argument('--host', default=None,
                         help='serve other machines too, at this address of ours (0.0.0.0 for '
                         'all); they need the token that is printed')
+    parser.add_argument('--origin', type=_origin, default=None,
+                        help='address of the page behind a proxy, as https://play.example; it '
+                        'needs the token too')
     parser.add_argument('--no-browser', action='store_true', help='open no browser')
     return parser
 
@@ -65,18 +69,30 @@ def _port(text: str) -> int:
     return int(text)
 
 
+def _origin(text: str) -> str:
+    try:
+        return checked_origin(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from error
+
+
 async def _serve(options: argparse.Namespace) -> None:
     # Imported here, as it comes with an extra.
     try:
+        from push_view.server.page_server import Access, Callbacks
         from push_view.server.serving import serve
     except ModuleNotFoundError as error:
         raise RuntimeError(how_to_install(error.name) or str(error)) from error
     session = LiveSession(read_scenario(find_scenario(options.scenario)), time.monotonic)
-    token = None if options.host is None else secrets.token_urlsafe()
+    is_local = options.host is None and options.origin is None
+    access = Access(None if is_local else secrets.token_urlsafe(), options.origin)
+    callbacks = Callbacks(session.handle, session.set_page_count, lambda: session.scenario_text)
     title = options.scenario.replace('_', ' ')
-    async with serve(title, session.log, session.handle, host=options.host or LOCAL,
-                     port=options.port, token=token) as url:
+    async with serve(title, session.log, callbacks, host=options.host or LOCAL,
+                     port=options.port, access=access) as url:
         print(f'push play: {url} (end with Ctrl-C)', flush=True)
+        if not is_local:
+            print(qr_code(url), end='', flush=True)
         if not options.no_browser:
             webbrowser.open(url)
         running = asyncio.create_task(session.run())

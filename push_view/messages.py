@@ -244,7 +244,7 @@ def _rounded_number(value: float) -> float | None:
 
 def controls_message(tools: Sequence[str], *, choices: Sequence[Message] = (),
                      settings: Sequence[Message] = (), calls: Sequence[str] = (),
-                     owns_time: bool = False) -> Message:
+                     presets: Sequence[Message] = (), owns_time: bool = False) -> Message:
     """
     Tell a live page what its user can do.
 
@@ -252,7 +252,9 @@ def controls_message(tools: Sequence[str], *, choices: Sequence[Message] = (),
     :param choices: each with ``name``, ``value`` and ``options``.
     :param settings: as of ``Setting.to_message``.
     :param calls: names of what can be called, as ``stop``.
+    :param presets: each with ``name``, ``help`` and ``commands``.
     :param owns_time: whether time can be stopped and made faster.
     """
     return {'type': 'controls', 'tools': list(tools), 'choices': list(choices),
-            'settings': list(settings), 'calls': list(calls), 'owns_time': owns_time}
+            'settings': list(settings), 'calls': list(calls), 'presets': list(presets),
+            'owns_time': owns_time}

@@ -26,6 +26,7 @@ from push_ros.transforms.world import Handlers, WorldFrame
 from push_view.live.robot_record import RobotRecorder
 from push_view.messages import controls_message
 from push_view.ros.relay import CommandRelay
+from push_view.server.address import checked_origin
 from push_view.server.commands import CALLS
 from push_view.server.message_log import MessageLog
 
@@ -40,8 +41,10 @@ class ViewOptions:
 
     control: bool = quantity('let the page set goals and start, stop, pause and resume',
                              default=False)
-    host: str = quantity('address for other machines, with a logged token; empty: this machine '
+    host: str = quantity('address for other machines, with the logged token; empty: this machine '
                          'alone', default='')
+    origin: str = quantity('address of the page behind a proxy, as https://robot.example; empty: '
+                           'no proxy', default='')
     port: int = quantity('port of the page; 0: any free one', '', 0, 65535, default=8643)
     object_pose_with_covariance: bool = quantity(
         'object_pose is PoseWithCovarianceStamped, else PoseStamped', default=False)
@@ -51,6 +54,8 @@ class ViewOptions:
     def __post_init__(self) -> None:
         """Validate the fields."""
         check(self)
+        if self.origin:
+            checked_origin(self.origin)
 
 
 SECTIONS = (('object.', PushedObject), ('robot.', RoundRobot), ('', Frames), ('', ViewOptions))
@@ -119,12 +124,16 @@ class ViewNode(PushNode):
         """Serve the page: called once, before the first callback."""
         # Imported here, as it comes with an extra.
         try:
+            from push_view.server.page_server import Access, Callbacks
             from push_view.server.page_thread import PageThread
             self._page = PageThread()
-            host = self._options.host
+            control, host = self._options.control, self._options.host
+            origin = checked_origin(self._options.origin) if self._options.origin else None
+            # Other users of this machine may not command the robot either.
+            token = secrets.token_urlsafe() if control or host or origin else None
             url = self._page.start(
-                NAME, self._log, self._relay.handle, host=host or LOCAL, port=self._options.port,
-                token=secrets.token_urlsafe() if host else None)
+                NAME, self._log, Callbacks(self._relay.handle), host=host or LOCAL,
+                port=self._options.port, access=Access(token, origin))
         except (ModuleNotFoundError, OSError) as error:
             self.refuse_to_start(f'{error}, expected aiohttp (python3-aiohttp) and a free port')
         self.reporter.report(OK, f'the page is at {url}')
@@ -229,6 +238,8 @@ def make_parser() -> argparse.ArgumentParser:
     parser.add_argument('--host',
                         help='serve other machines too, at this address of ours (0.0.0.0 for '
                         'all); they need the token that is logged')
+    parser.add_argument('--origin', help='address of the page behind a proxy, as '
+                        'https://robot.example; it needs the token too')
     return parser
 
 

@@ -159,15 +159,12 @@ class RepeatedPushBehaviors(BehaviorFactory):
 
     def _load_primitives(self, perception: TaskPerception) -> PushPrimitives:
         """Load what the planner has chosen the push from."""
-        position_tolerance, heading_tolerance = aimed_tolerances(self._control, self._supervision)
         localization = perception.localization
         knowledge, obj = localization.knowledge, localization.obj
         belief = FrictionBelief(friction_center(obj), obj.contact_friction_coefficient,
                                 knowledge.center_deviation, knowledge.contact_friction_deviation)
-        return load_primitives(self._obj, self._robot, CostSettings(
-            position_tolerance=position_tolerance, heading_tolerance=heading_tolerance,
-            robot_speed=self._drive.limited_to(self._robot).speed, drive=self._robot.drive),
-            belief)
+        settings = cost_settings(self._control, self._supervision, self._drive, self._robot)
+        return load_primitives(self._obj, self._robot, settings, belief)
 
     def _with_present_uncertainty(self, target: PushTrajectory,
                                   perception: TaskPerception) -> ControlSettings:
@@ -178,6 +175,15 @@ class RepeatedPushBehaviors(BehaviorFactory):
         return dataclasses.replace(
             self._control, center_std_ratio=math.hypot(CENTER_STD_RATIO, center_std_ratio),
             push_direction_std=math.hypot(PUSH_DIRECTION_STD, heading_std))
+
+
+def cost_settings(control: ControlSettings, supervision: SupervisionSettings,
+                  drive: DriveSettings, robot: RoundRobot) -> CostSettings:
+    """State what a task counts as its costs; on them depend the primitives that it loads."""
+    position_tolerance, heading_tolerance = aimed_tolerances(control, supervision)
+    return CostSettings(
+        position_tolerance=position_tolerance, heading_tolerance=heading_tolerance,
+        robot_speed=drive.limited_to(robot).speed, drive=robot.drive)
 
 
 def _for_task(control: ControlSettings) -> ControlSettings:

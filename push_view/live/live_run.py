@@ -79,6 +79,11 @@ class LiveRun:
         return self._simulation.plant.object_pose
 
     @property
+    def poses(self) -> tuple[Pose, Pose]:
+        """True ``Pose`` of object and robot."""
+        return self._simulation.plant.object_pose, self._simulation.plant.robot_pose
+
+    @property
     def goal(self) -> Pose:
         """Goal ``Pose`` of the object."""
         return self._robot.goal

@@ -8,9 +8,10 @@ import threading
 from typing import Any, TypeVar
 
 from push_scenario.definition.scenario import Scenario
+from push_view.live.preparation import Preparations
 from push_view.live.session import Session
 from push_view.live.setup import Setup
-from push_view.server.commands import AddWall, CommandRefused, parse_command
+from push_view.server.commands import AddWall, Choose, CommandRefused, OpenLink, parse_command
 from push_view.server.message_log import MessageLog
 
 # Period of the simulation [s of wall time], and the most that it may compute in it before commands
@@ -19,6 +20,8 @@ TICK = 0.03
 MAX_TICK = 0.1
 # Period at which the speed that was reached is shown [s].
 SPEED_PERIOD = 1.0
+# Simulated time that counts as preparation [s]; chosen: the first plan is made in it.
+FIRST_TIME = 0.3
 
 Result = TypeVar('Result')
 
@@ -73,6 +76,8 @@ class LiveSession:
     """
     A session that runs in a thread of its own.
 
+    Time stands, and nothing is computed, while there is no page, and while nothing happens.
+
     :param scenario: a ``Scenario`` with a task.
     :param clock: function that returns monotonic wall time [s].
     :raises ValueError: where the scenario has no task.
@@ -84,28 +89,41 @@ class LiveSession:
         self._clock = clock
         self._session: Session | None = None
         self._worker = Worker()
+        self._preparations = Preparations(self.log)
+        self._choice: asyncio.Task[None] | None = None
         self._is_ready_for_walls = False
+        self._page_count = 0
+        self._changed = asyncio.Event()
+
+    @property
+    def scenario_text(self) -> str:
+        """The set-up as a scenario file; empty before there is one."""
+        return '' if self._session is None else self._session.scenario_text
+
+    def set_page_count(self, count: int) -> None:
+        """
+        Take note of how many pages show the session.
+
+        :param count: of pages.
+        """
+        self._page_count = count
+        self._changed.set()
 
     async def run(self) -> None:
         """Prepare the session, then let time pass until this is cancelled."""
-        session = await self._prepare('simulation', lambda: Session(self._setup, self.log))
-        self._session = session
-        before = shown = self._clock()
-        shown_time = session.time
-        while True:
-            await asyncio.sleep(TICK)
-            now = self._clock()
-            passed, before = min(now - before, MAX_TICK), now
-            if session.paused:
-                shown, shown_time = now, session.time
-                continue
-            deadline = now + MAX_TICK
-            await self._worker.call(lambda: session.advance(
-                session.speed * passed, lambda: self._clock() > deadline))
-            if now - shown > SPEED_PERIOD:
-                achieved = (session.time - shown_time) / (now - shown)
-                session.show_speed(achieved if achieved > 0.0 else math.nan)
-                shown, shown_time = now, session.time
+        try:
+            session = await self._start()
+            self._session = session
+            self._preparations.start_background(session.setup)
+            while True:
+                await self._run_until_idle(session)
+                session.show_speed()
+                while self._is_idle(session):
+                    self._changed.clear()
+                    await self._changed.wait()
+                session.show_speed()
+        finally:
+            self._preparations.stop()
 
     async def handle(self, text: str) -> None:
         """
@@ -118,12 +136,58 @@ class LiveSession:
         session = self._session
         if session is None:
             raise CommandRefused('the simulation is not ready yet')
+        if isinstance(command, (Choose, OpenLink)):
+            setup = session.setup_after(command)
+            if self._choice is not None:
+                self._choice.cancel()
+            # In a task: the page that waits for it can do other things meanwhile.
+            self._choice = asyncio.create_task(self._start_over(session, command, setup))
+            return
         if isinstance(command, AddWall) and not self._is_ready_for_walls:
             self._is_ready_for_walls = True
-            await self._prepare('planner for walls', session.prepare_for_walls)
+            await self._announced('planner for walls', session.prepare_for_walls)
         await self._worker.call(lambda: session.handle(command))
+        self._changed.set()
 
-    async def _prepare(self, name: str, function: Callable[[], Result]) -> Result:
+    def _is_idle(self, session: Session) -> bool:
+        return session.paused or session.is_at_rest or not self._page_count
+
+    async def _run_until_idle(self, session: Session) -> None:
+        before = shown = self._clock()
+        shown_time = session.time
+        while not self._is_idle(session):
+            await asyncio.sleep(TICK)
+            now = self._clock()
+            passed, before = min(now - before, MAX_TICK), now
+            deadline = now + MAX_TICK
+            await self._worker.call(lambda: session.advance(
+                session.speed * passed, lambda: self._clock() > deadline))
+            if now - shown > SPEED_PERIOD:
+                achieved = (session.time - shown_time) / (now - shown)
+                session.show_speed(achieved if achieved > 0.0 else math.nan)
+                shown, shown_time = now, session.time
+
+    async def _start(self) -> Session:
+        def start() -> Session:
+            session = Session(self._setup, self.log)
+            session.advance(FIRST_TIME)
+            return session
+
+        await self._preparations.wait_for(self._setup)
+        return await self._announced('simulation', start)
+
+    async def _start_over(self, session: Session, command: Choose | OpenLink,
+                          setup: Setup) -> None:
+        """Prepare what was chosen, while the former run goes on, and start over with it."""
+        await self._preparations.wait_for(setup)
+        try:
+            await self._worker.call(lambda: session.handle(command))
+        except CommandRefused as refusal:
+            self.log.replace({'type': 'notice', 'text': f'refused: {refusal}'})
+        self._changed.set()
+        self._preparations.start_background(session.setup)
+
+    async def _announced(self, name: str, function: Callable[[], Result]) -> Result:
         """Show on the page why nothing moves meanwhile."""
         self.log.replace({'type': 'notice', 'text': f'preparing the {name}; at the very first '
                           'time it is compiled, which takes about a minute'})

@@ -6,17 +6,20 @@ import math
 from typing import Any
 
 from push_model.geometry import Pose, wrap_angle
-from push_navigation.occupancy_map import OccupancyMap
 from push_planner.straight.map_search.planner import warm_up
+from push_view.live.link import link_text, LinkedSetup, read_link
 from push_view.live.live_run import LiveRun
-from push_view.live.settings import CONTACT_FRICTION, find_setting, FRICTION, with_friction
+from push_view.live.saved_scenario import saved_scenario
 from push_view.live.setup import Setup
-from push_view.live.walls import open_floor, with_wall
+from push_view.live.walls import Drawing, Wall
 from push_view.server.commands import (
-    AddWall, Choose, ClearWalls, Command, CommandRefused, DisplaceObject, Restart, Run, SetGoal,
-    SetValue, Step,
+    AddWall, Choose, ClearWalls, Command, CommandRefused, DisplaceObject, OpenLink, RemoveWall,
+    Restart, Run, SetGoal, SetValue, Step, UndoWall,
 )
 from push_view.server.message_log import MessageLog
+
+# Time for which nothing must have moved while the robot waits [s]; chosen: long enough to see it.
+REST_TIME = 1.0
 
 
 class Session:
@@ -33,8 +36,7 @@ class Session:
         self.log = log
         self.paused = False
         self.speed = 1.0
-        self._map: OccupancyMap | None = setup.task.occupancy_map
-        self.show_speed()
+        self._drawing = Drawing(setup.task.occupancy_map)
         self._start(setup)
 
     @property
@@ -46,6 +48,21 @@ class Session:
     def is_standing(self) -> bool:
         """Tell whether the robot waits for a goal."""
         return self._run.is_standing
+
+    @property
+    def setup(self) -> Setup:
+        """What is simulated now, with its present goal."""
+        return self._setup.with_goal(self._run.goal)
+
+    @property
+    def scenario_text(self) -> str:
+        """The set-up with its walls as a scenario file, for ``replay``."""
+        return saved_scenario(self.setup, self._drawing.occupancy_map)
+
+    @property
+    def is_at_rest(self) -> bool:
+        """Tell whether nothing will happen until its user does something."""
+        return self.is_standing and self.time - self._moved_time > REST_TIME
 
     @property
     def object_pose(self) -> Pose:
@@ -64,6 +81,8 @@ class Session:
         while self.time < end and not is_late():
             self._run.advance()
         self._run.show()
+        if self._run.poses != self._poses or not self.is_standing:
+            self._moved_time, self._poses = self.time, self._run.poses
 
     def handle(self, command: Command) -> None:
         """
@@ -73,7 +92,8 @@ class Session:
         """
         handlers: dict[type[Any], Callable[[Any], None]] = {
             SetGoal: self._set_goal, DisplaceObject: self._displace_object,
-            AddWall: self._add_wall, ClearWalls: self._clear_walls, Choose: self._choose,
+            AddWall: self._add_wall, RemoveWall: self._remove_wall, UndoWall: self._undo_wall,
+            ClearWalls: self._clear_walls, Choose: self._choose, OpenLink: self._open,
             SetValue: self._set_value, Run: self._set_speed, Step: self._step,
             Restart: self._restart}
         if type(command) not in handlers:
@@ -82,6 +102,20 @@ class Session:
             handlers[type(command)](command)
         except CommandRefused:
             raise
+        except ValueError as error:
+            raise CommandRefused(str(error)) from error
+        # Something may come of it.
+        self._moved_time = self.time
+
+    def setup_after(self, command: Choose | OpenLink) -> Setup:
+        """
+        Tell what will be simulated after a command that starts over.
+
+        :raises CommandRefused: where there is no such thing, with the reason.
+        """
+        try:
+            return self._linked(command).setup if isinstance(
+                command, OpenLink) else self._setup.with_choices(command.choices)
         except ValueError as error:
             raise CommandRefused(str(error)) from error
 
@@ -97,19 +131,28 @@ class Session:
         :param achieved: simulated over real time, as measured; nan where it is not known.
         """
         self.log.replace({'type': 'run', 'paused': self.paused, 'speed': self.speed,
-                          'achieved': None if math.isnan(achieved) else round(achieved, 1)})
+                          'achieved': None if math.isnan(achieved) else round(achieved, 1),
+                          'at_rest': self.is_at_rest})
 
     def _start(self, setup: Setup) -> None:
         """Start over, with the walls that are there."""
-        self._run = LiveRun(setup, self._map, self.log)
+        self._run = LiveRun(setup, self._drawing.occupancy_map, self.log)
         self._setup = setup
-        self._show_controls()
+        self._moved_time, self._poses = 0.0, self._run.poses
+        self.show_speed()
+        self._show_setup()
 
-    def _show_controls(self) -> None:
+    def _show_setup(self) -> None:
+        """Show what can be changed, the walls, and the link to all of it."""
+        walls = self._drawing.walls
         self.log.replace(self._setup.controls())
+        self.log.replace({'type': 'walls', 'walls': [[*wall.start, *wall.end] for wall in walls],
+                          'can_undo': self._drawing.previous is not None})
+        self.log.replace({'type': 'link', 'link': link_text(self.setup, walls)})
 
     def _set_goal(self, command: SetGoal) -> None:
         self._run.set_goal(self._near_object(command.pose))
+        self._show_setup()
 
     def _displace_object(self, command: DisplaceObject) -> None:
         self._run.displace_object(self._near_object(command.pose))
@@ -123,31 +166,49 @@ class Session:
         return pose._replace(theta=heading + wrap_angle(pose.theta - heading))
 
     def _add_wall(self, command: AddWall) -> None:
-        floor = open_floor(self.object_pose) if self._map is None else self._map
-        self._set_map(with_wall(floor, command.start, command.end))
+        drawing = self._drawing
+        if not drawing.walls:
+            drawing = dataclasses.replace(drawing, center=self.object_pose[:2])
+        self._draw(drawing.add(Wall(*command)))
+
+    def _remove_wall(self, command: RemoveWall) -> None:
+        self._draw(self._drawing.remove(command.wall))
+
+    def _undo_wall(self, _: UndoWall) -> None:
+        self._draw(self._drawing.undo())
 
     def _clear_walls(self, _: ClearWalls) -> None:
-        self._set_map(self._setup.task.occupancy_map)
+        self._draw(self._drawing.clear())
 
-    def _set_map(self, occupancy_map: OccupancyMap | None) -> None:
-        self._run.set_map(occupancy_map)
-        self._map = occupancy_map
+    def _draw(self, drawing: Drawing) -> None:
+        self._run.set_map(drawing.occupancy_map)
+        self._drawing = drawing
+        self._show_setup()
 
     def _choose(self, command: Choose) -> None:
         self._start(self._setup.with_choices(command.choices))
 
+    def _open(self, command: OpenLink) -> None:
+        linked, before = self._linked(command), self._drawing
+        self._drawing = Drawing(linked.setup.task.occupancy_map,
+                                linked.setup.scenario.start.object.pose[:2], linked.walls)
+        try:
+            self._start(linked.setup)
+        except ValueError:
+            self._drawing = before
+            raise
+
+    def _linked(self, command: OpenLink) -> LinkedSetup:
+        return read_link(command.link, Setup.of(self._setup.origin))
+
     def _set_value(self, command: SetValue) -> None:
+        before, self._setup = self._setup, self._setup.with_value(command.name, command.value)
         scenario = self._setup.scenario
-        find_setting(scenario.true_object, command.name, command.value)
-        if command.name == CONTACT_FRICTION or command.name.startswith(FRICTION):
-            changed = with_friction(scenario.true_object, command.name, command.value)
-            self._run.set_true_object(changed)
-            self._setup = self._setup.with_true_object(changed)
-        else:
-            sensors = dataclasses.replace(scenario.sensors, **{command.name: command.value})
-            self._run.set_sensors(sensors)
-            self._setup = self._setup.with_sensors(sensors)
-        self._show_controls()
+        if scenario.true_object != before.scenario.true_object:
+            self._run.set_true_object(scenario.true_object)
+        if scenario.sensors != before.scenario.sensors:
+            self._run.set_sensors(scenario.sensors)
+        self._show_setup()
 
     def _set_speed(self, command: Run) -> None:
         self.paused = self.paused if command.paused is None else command.paused

@@ -95,11 +95,16 @@ def with_friction(obj: PushedObject, name: str, value: float) -> PushedObject:
     return dataclasses.replace(obj, supports=supports)
 
 
+def setting_values(obj: PushedObject, sensors: SensorSettings) -> dict[str, float]:
+    """List the values of all settings by name, SI units."""
+    friction = [*(support.friction_coefficient for support in obj.supports),
+                obj.contact_friction_coefficient]
+    return {**{setting.name: value for setting, value in zip(friction_settings(obj), friction)},
+            **{setting.name: getattr(sensors, setting.name) for setting in SENSOR_SETTINGS}}
+
+
 def setting_messages(obj: PushedObject, sensors: SensorSettings) -> list[Message]:
     """Describe all settings with their values."""
-    values = [*(support.friction_coefficient for support in obj.supports),
-              obj.contact_friction_coefficient]
-    return ([setting.to_message(value)
-             for setting, value in zip(friction_settings(obj), values)]
-            + [setting.to_message(getattr(sensors, setting.name))
-               for setting in SENSOR_SETTINGS])
+    values = setting_values(obj, sensors)
+    return [setting.to_message(values[setting.name])
+            for setting in (*friction_settings(obj), *SENSOR_SETTINGS)]

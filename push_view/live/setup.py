@@ -12,7 +12,6 @@ from push_model.files.parameter_files import (
     files_by_name, named_file, read_object, read_robot,
 )
 from push_model.geometry import Pose
-from push_model.parameters import PushedObject
 from push_scenario.definition.bases import base_names, FOLDER, with_base
 from push_scenario.definition.expected_poses import with_sensors
 from push_scenario.definition.loader import read_sensors
@@ -21,7 +20,10 @@ from push_scenario.definition.scenario import Scenario
 from push_scenario.definition.task import Task
 from push_sim_node.drive_imperfections import DriveImperfections
 from push_sim_node.sensors import SensorSettings
-from push_view.live.settings import setting_messages
+from push_view.live.presets import preset_messages
+from push_view.live.settings import (
+    CONTACT_FRICTION, find_setting, FRICTION, setting_messages, setting_values, with_friction,
+)
 from push_view.messages import controls_message, Message
 from push_view.server.commands import CommandRefused
 
@@ -85,17 +87,35 @@ class Setup:
             setup = setup._informed_of(chosen['sensors'])
         return dataclasses.replace(setup, choices=chosen)
 
-    def with_true_object(self, obj: PushedObject) -> Setup:
-        """Change the truth, of which the robot is not told."""
-        return self._with_scenario(true_object=obj)
+    def with_value(self, name: str, value: float) -> Setup:
+        """
+        Change the true friction, or what the robot measures with: the robot is not told.
 
-    def with_sensors(self, sensors: SensorSettings) -> Setup:
-        """Change what the robot measures with."""
-        return self._with_scenario(sensors=sensors)
+        :param name: of a setting.
+        :param value: SI units.
+        :raises CommandRefused: where there is none, or the value is out of its range.
+        """
+        scenario = self.scenario
+        find_setting(scenario.true_object, name, value)
+        if name == CONTACT_FRICTION or name.startswith(FRICTION):
+            return self._with_scenario(
+                true_object=with_friction(scenario.true_object, name, value))
+        return self._with_scenario(
+            sensors=dataclasses.replace(scenario.sensors, **{name: value}))
 
     def with_goal(self, goal: Pose) -> Setup:
         """Change the first goal."""
         return self._with_scenario(goal=Placement(*goal))
+
+    @property
+    def object_names(self) -> list[str]:
+        """Names of the objects of the package."""
+        return _names('objects')
+
+    @property
+    def values(self) -> dict[str, float]:
+        """Values of all settings by name, SI units."""
+        return setting_values(self.scenario.true_object, self.scenario.sensors)
 
     def controls(self) -> Message:
         """Describe what can be chosen and changed, with its present values."""
@@ -107,6 +127,7 @@ class Setup:
                    for name, value in self.choices.items()]
         settings = setting_messages(self.scenario.true_object, self.scenario.sensors)
         return controls_message(('goal', 'object', 'wall'), choices=choices, settings=settings,
+                                presets=preset_messages(self.scenario.true_object),
                                 owns_time=True)
 
     def _with_scenario(self, **fields: Any) -> Setup:
@@ -122,7 +143,7 @@ class Setup:
         if name == 'base':
             return self
         if name == 'sensors':
-            return self.with_sensors(self._sensors(value))
+            return self._with_scenario(sensors=self._sensors(value))
         if name == 'law' and value in TASK_LAWS:
             return self._with_scenario(control=dataclasses.replace(
                 self.scenario.control, control_law=value))

@@ -1,10 +1,16 @@
 """Walls that are drawn on open floor or on a map."""
 
+from __future__ import annotations
+
+import dataclasses
+import functools
 import math
+from typing import NamedTuple
 
 import numpy as np
 from push_model.geometry import Coordinates
 from push_navigation.occupancy_map import OccupancyMap
+from push_view.server.commands import CommandRefused
 
 # Side of a cell of the map on which walls are drawn, and thickness of a wall [m]; chosen: as fine
 # as maps of robots.
@@ -13,6 +19,78 @@ THICKNESS = 0.1
 # Half the side of the floor round the object that such a map covers [m]; all outside it is
 # occupied.
 HALF_SIDE = 5.0
+
+
+class Wall(NamedTuple):
+    """
+    A straight wall.
+
+    :param start: one end (x, y) [m].
+    :param end: the other end (x, y) [m].
+    """
+
+    start: tuple[float, float]
+    end: tuple[float, float]
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Drawing:
+    """
+    What has been drawn, and what was there before.
+
+    :param background: map on which it is drawn; None for open floor.
+    :param center: middle (x, y) of the floor on which it is drawn, where there is no map [m].
+    :param walls: in the order in which they were drawn.
+    :param previous: the drawing before the last change; None where there was none.
+    """
+
+    background: OccupancyMap | None
+    center: tuple[float, float] = (0.0, 0.0)
+    walls: tuple[Wall, ...] = ()
+    previous: Drawing | None = None
+
+    @functools.cached_property
+    def occupancy_map(self) -> OccupancyMap | None:
+        """The ``OccupancyMap`` with all walls; None for open floor."""
+        if not self.walls:
+            return self.background
+        drawn = open_floor(self.center) if self.background is None else self.background
+        for wall in self.walls:
+            drawn = with_wall(drawn, *wall)
+        return drawn
+
+    def add(self, wall: Wall) -> Drawing:
+        """Draw another wall."""
+        return self._changed((*self.walls, wall))
+
+    def remove(self, index: int) -> Drawing:
+        """
+        Remove one wall.
+
+        :param index: of the wall.
+        :raises CommandRefused: where there is no such wall.
+        """
+        if not 0 <= index < len(self.walls):
+            raise CommandRefused(f'remove_wall.wall: got {index}, expected one of '
+                                 f'{len(self.walls)} walls, from 0 on')
+        return self._changed(self.walls[:index] + self.walls[index + 1:])
+
+    def clear(self) -> Drawing:
+        """Remove all walls."""
+        return self._changed(())
+
+    def undo(self) -> Drawing:
+        """
+        Take the last change back.
+
+        :raises CommandRefused: where there was none.
+        """
+        if self.previous is None:
+            raise CommandRefused('undo: got no change of walls before, expected one')
+        return self.previous
+
+    def _changed(self, walls: tuple[Wall, ...]) -> Drawing:
+        return dataclasses.replace(self, walls=walls, previous=self)
 
 
 def open_floor(center: Coordinates) -> OccupancyMap:

@@ -4,8 +4,8 @@
 const COLORS = ['paper', 'ink', 'faint', 'grid', 'object', 'goal', 'robot', 'believed', 'force', 'cone', 'view',
                 'wall', 'plan', 'accent', 'push-0', 'push-1', 'push-2', 'push-3', 'push-4', 'push-5'];
 
-// What a live page shows round the first goal at least [m].
-const LIVE_EXTENT = 1.4;
+// Room beside what there is on a live page, to drag things to, and the least side of what is shown [m].
+const ROOM = 0.35, LEAST_SIDE = 2;
 
 function themeColors() {
   const style = getComputedStyle(document.documentElement);
@@ -61,27 +61,44 @@ class Camera {
     const scene = recording.scene;
     if (!scene || !this.width) return;
     const extent = Math.max(...outlineOf(scene.object).map((vertex) => Math.hypot(...vertex)));
-    for (const point of recording.paths.object) add(point[0], point[1], extent);
-    for (const point of recording.paths.robot) add(point[0], point[1], scene.robot.radius);
-    for (const goal of recording.goals) add(goal.pose[0], goal.pose[1], extent);
+    const shown = recording.isLive ? this.present(recording) : recording.paths;
+    const goals = recording.isLive ? recording.goals.slice(-1) : recording.goals;
+    for (const point of shown.object) add(point[0], point[1], extent);
+    for (const point of shown.robot) add(point[0], point[1], scene.robot.radius);
+    for (const goal of goals) add(goal.pose[0], goal.pose[1], extent);
+    for (const wall of recording.walls) {
+      add(wall[0], wall[1], 0);
+      add(wall[2], wall[3], 0);
+    }
     if (scene.camera && scene.camera.place === 'room') add(...scene.camera.mount.slice(0, 2), 0.2);
     const map = recording.latest('map', Infinity);
-    if (map && map.rows.length && !recording.isLive && map.rows.length * map.resolution < 8) {
+    if (map && map.rows.length && map.rows.length * map.resolution < 8) {
       for (const corner of [[0, 0], [1, 0], [0, 1], [1, 1]]) {
         add(...transform(map.origin, [corner[0] * map.rows[0].length * map.resolution,
                                       corner[1] * map.rows.length * map.resolution]), 0);
       }
     }
     if (!xs.length) return;
-    // Room to drag things to.
-    const [goal] = recording.goals, [object] = recording.paths.object, [robot] = recording.paths.robot;
-    const middle = goal ? goal.pose : object || robot;
-    if (recording.isLive && middle) add(middle[0], middle[1], LIVE_EXTENT);
-    const span = (list) => [Math.min(...list), Math.max(...list)];
+    const room = recording.isLive ? ROOM : 0, least = recording.isLive ? LEAST_SIDE : 0;
+    const span = (list) => [Math.min(...list) - room, Math.max(...list) + room];
     const [left, right] = span(xs), [low, high] = span(ys);
+    const side = Math.max(least, right - left), height = Math.max(least, high - low);
     this.center = [0.5 * (left + right), 0.5 * (low + high)];
-    this.scale = 0.94 * Math.min(this.width / (right - left), this.height / (high - low), 800);
+    this.scale = 0.94 * Math.min(this.width / side, this.height / height, 800);
     this.isFitted = true;
     this.isMoved = false;
+  }
+
+  // Where object and robot are now, as paths of one point.
+  present(recording) {
+    return Object.fromEntries(['object', 'robot'].map((body) => [body, recording.paths[body].slice(-1)]));
+  }
+
+  // Show everything again where something has left the view, unless its user has chosen the view.
+  follow(recording) {
+    if (this.isMoved || !this.isFitted) return;
+    const present = this.present(recording), points = [...present.object, ...present.robot];
+    const isInside = ([x, y]) => x > 0 && y > 0 && x < this.width && y < this.height;
+    if (!points.every((point) => isInside(this.toScreen(point)))) this.fit(recording);
   }
 }

@@ -43,9 +43,10 @@ class Chart {
     this.definition = definition;
     const box = document.createElement('div');
     box.className = 'chart';
-    box.innerHTML = '<p><span></span><output></output></p><canvas role="img"></canvas><i hidden></i>';
-    box.querySelector('span').textContent = definition.title;
-    this.output = box.querySelector('output');
+    box.innerHTML = '<p><span class="term"></span><span class="value"></span></p><canvas role="img"></canvas><i hidden></i>';
+    box.querySelector('.term').textContent = definition.title;
+    explain(box.querySelector('.term'), definition.title);
+    this.output = box.querySelector('.value');
     this.canvas = box.querySelector('canvas');
     this.canvas.setAttribute('aria-label', definition.title + ' over time');
     this.cursor = box.querySelector('i');
@@ -85,9 +86,11 @@ class Chart {
     canvas.height = this.height * ratio;
     this.start = recording.start;
     this.end = Math.max(recording.end, this.start + 1);
-    const rows = this.sampledRows(recording);
+    const rows = this.sampledRows(recording), before = recording.shownGhost;
     const values = rows.map((row) => definition.value(recording, row));
-    this.setRange(values);
+    const rowsBefore = before ? this.sampledRows(before).filter((row) => before.time[row] <= this.end) : [];
+    const valuesBefore = rowsBefore.map((row) => definition.value(before, row));
+    this.setRange([...values, ...valuesBefore]);
     const c = canvas.getContext('2d');
     c.setTransform(ratio, 0, 0, ratio, 0, 0);
     c.font = '10px system-ui, sans-serif';
@@ -96,6 +99,7 @@ class Chart {
     for (const bound of definition.bounds(recording, recording.end)) {
       this.polyline(c, [this.start, this.end], [bound, bound], colors.goal, [5, 3]);
     }
+    if (before) this.polyline(c, rowsBefore.map((row) => before.time[row]), valuesBefore, colors.faint, [2, 3]);
     this.polyline(c, rows.map((row) => recording.time[row]), values, colors.ink, []);
   }
 

@@ -5,8 +5,10 @@ const TOOLS = ['goal', 'object', 'wall', 'pan'];
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 // Steps of keys [m], [rad].
 const COARSE = 0.05, FINE = 0.01, TURN = Math.PI / 36;
-// How near to a handle a pointer must be [pixels].
-const NEAR = 22;
+// How near to a handle a pointer must be, to a wall, and how little it moves in a click [pixels].
+const NEAR = 22, NEAR_WALL = 6, CLICK = 5;
+// Steps of a rotation with Shift.
+const ROTATION_STEP = Math.PI / 12;
 
 function isInside(point, outline) {
   return outline.every((vertex, i) => {
@@ -33,6 +35,7 @@ class Editor {
     for (const radio of document.getElementsByName('tool')) {
       radio.addEventListener('change', () => this.setTool(radio.value));
     }
+    canvas.addEventListener('pointerleave', () => this.hover(null));
     byId('clear-walls').addEventListener('click', () => this.app.send({ type: 'clear_walls' }));
     this.setTool('goal');
   }
@@ -62,14 +65,41 @@ class Editor {
     const bodies = this.tool === 'object' ? ['object', 'goal'] : ['goal', 'object'];
     for (const body of bodies) {
       const [u, v] = camera.toScreen(floor.handleOf(this.poseOf(body)));
-      if (body === this.tool && Math.hypot(u - x, v - y) < NEAR) return { body, isRotation: true };
+      if (this.canDrag(body) && Math.hypot(u - x, v - y) < NEAR) return { body, isRotation: true };
     }
     for (const body of bodies) {
       const pose = this.poseOf(body), [dx, dy] = [point[0] - pose[0], point[1] - pose[1]];
       const c = Math.cos(pose[2]), s = Math.sin(pose[2]);
-      if (isInside([c * dx + s * dy, -s * dx + c * dy], floor.outline)) return { body, isRotation: false };
+      if (this.canDrag(body) && isInside([c * dx + s * dy, -s * dx + c * dy], floor.outline)) return { body, isRotation: false };
     }
     return null;
+  }
+
+  canDrag(body) { return (this.app.tools || []).includes(body); }
+
+  // Number of the wall that a click would remove; -1 where it removes none.
+  wallUnder(x, y) {
+    const { camera, recording } = this.app;
+    if (!this.canEdit || this.tool !== 'wall') return -1;
+    return wallAt(recording.walls, camera.toFloor(x, y), NEAR_WALL / camera.scale);
+  }
+
+  // Show what the pointer would take hold of: by its shape, and by the wall that a click removes.
+  hover(event) {
+    const { floor } = this.app, before = floor.hoveredWall;
+    floor.hoveredWall = event ? this.wallUnder(event.offsetX, event.offsetY) : -1;
+    if (floor.hoveredWall !== before) this.app.redraw();
+    let cursor = 'grab', title = '';
+    if (this.pointers.size) cursor = this.tool === 'wall' ? 'crosshair' : 'grabbing';
+    else if (floor.hoveredWall >= 0) [cursor, title] = ['pointer', 'click: remove this wall'];
+    else if (this.tool === 'wall') cursor = 'crosshair';
+    else if (event && this.tool !== 'pan') {
+      const grip = this.grip(event.offsetX, event.offsetY);
+      if (grip) title = grip.isRotation ? `drag: rotate the ${grip.body}` : `drag: move the ${grip.body}`;
+      if (grip) cursor = grip.isRotation ? 'alias' : 'move';
+    }
+    if (this.canvas.style.cursor !== cursor) this.canvas.style.cursor = cursor;
+    if (this.canvas.title !== title) this.canvas.title = title;
   }
 
   onDown(event) {
@@ -82,7 +112,8 @@ class Editor {
     }
     const point = this.app.camera.toFloor(event.offsetX, event.offsetY);
     if (this.canEdit && this.tool === 'wall') {
-      this.edit = { body: 'wall', from: point, to: point };
+      const from = event.altKey ? point : snapPoint(point);
+      this.edit = { body: 'wall', from, to: from, pressed: [event.offsetX, event.offsetY] };
     } else if (this.tool !== 'pan') {
       const grip = this.grip(event.offsetX, event.offsetY);
       if (!grip) return;
@@ -90,16 +121,20 @@ class Editor {
       const pose = this.poseOf(grip.body);
       this.edit = { ...grip, pose, offset: [point[0] - pose[0], point[1] - pose[1]] };
     }
+    this.hover(event);
     this.app.redraw();
   }
 
   onMove(event) {
-    if (!this.pointers.has(event.pointerId)) return;
+    if (!this.pointers.has(event.pointerId)) {
+      this.hover(event);
+      return;
+    }
     const before = this.pointers.get(event.pointerId), now = [event.offsetX, event.offsetY];
     if (this.pointers.size === 2) {
       this.pinch(event.pointerId, before, now);
     } else if (this.edit) {
-      this.drag(this.app.camera.toFloor(...now));
+      this.drag(this.app.camera.toFloor(...now), event);
     } else {
       this.app.camera.pan(now[0] - before[0], now[1] - before[1]);
     }
@@ -107,12 +142,13 @@ class Editor {
     this.app.redraw();
   }
 
-  drag(point) {
+  drag(point, { altKey, shiftKey }) {
     const edit = this.edit;
     if (edit.body === 'wall') {
-      edit.to = point;
+      edit.to = altKey ? point : snapWallEnd(edit.from, point);
     } else if (edit.isRotation) {
-      edit.pose[2] = Math.atan2(point[1] - edit.pose[1], point[0] - edit.pose[0]);
+      const angle = Math.atan2(point[1] - edit.pose[1], point[0] - edit.pose[0]);
+      edit.pose[2] = shiftKey ? Math.round(angle / ROTATION_STEP) * ROTATION_STEP : angle;
     } else {
       edit.pose[0] = point[0] - edit.offset[0];
       edit.pose[1] = point[1] - edit.offset[1];
@@ -127,9 +163,24 @@ class Editor {
 
   onUp(event) {
     this.pointers.delete(event.pointerId);
-    if (event.type === 'pointerup' && this.edit) this.confirm();
+    if (event.type === 'pointerup' && this.edit) this.release(event);
     this.edit = null;
+    this.hover(event);
     this.app.redraw();
+  }
+
+  // A click with the tool for walls removes the one under it, and draws none.
+  release(event) {
+    const { pressed } = this.edit;
+    if (!pressed || Math.hypot(event.offsetX - pressed[0], event.offsetY - pressed[1]) > CLICK) {
+      this.confirm();
+      return;
+    }
+    this.removeWall(this.wallUnder(event.offsetX, event.offsetY));
+  }
+
+  removeWall(index) {
+    if (index >= 0) this.app.send({ type: 'remove_wall', wall: index });
   }
 
   confirm() {
@@ -155,6 +206,8 @@ class Editor {
       this.edit.pose[2] += (event.key === '[' ? 1 : -1) * TURN;
     } else if (event.key === 'Enter' && this.tool === 'wall') {
       this.placeWallEnd();
+    } else if (event.key === 'Delete' && this.tool === 'wall' && this.edit) {
+      this.removeWall(wallAt(this.app.recording.walls, this.edit.to, COARSE));
     } else if (event.key === 'Enter' && this.edit) {
       this.confirm();
     } else if (event.key === 'Escape') {
@@ -169,7 +222,7 @@ class Editor {
 
   startEdit() {
     if (this.edit) return;
-    this.edit = this.tool === 'wall' ? { body: 'wall', from: null, to: this.app.camera.center.slice() }
+    this.edit = this.tool === 'wall' ? { body: 'wall', from: null, to: snapPoint(this.app.camera.center) }
       : { body: this.tool, isRotation: false, pose: this.poseOf(this.tool) };
   }
 

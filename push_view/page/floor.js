@@ -2,11 +2,14 @@
 // Draws the floor at one instant.
 
 const GRAVITY = 9.81;
+// Shadow of what stands on the floor [m], and the lid of a box as a part of its outline.
+const SHADOW = [0.02, -0.025], LID = 0.8;
 
 class Floor extends Pen {
   constructor(canvas, camera) {
     super(canvas.getContext('2d', { alpha: false }), camera);
     this.ground = new Ground(camera);
+    this.hoveredWall = -1;  // the one that a click removes
   }
 
   setTheme() {
@@ -22,12 +25,41 @@ class Floor extends Pen {
     if (!scene) return;
     this.outline = outlineOf(scene.object);
     const goal = recording.latest('goal', time);
+    this.drawHoveredWall(recording.walls[this.hoveredWall]);
+    this.drawGhost(recording.shownGhost, time);
     this.drawPlan(recording, time, goal);
     if (goal && !(edit && edit.body === 'goal')) this.drawGoal(goal.pose);
     if (!recording.isEmpty) this.drawBodies(recording, time);
     this.drawDisplacement(recording.latest('displacement', time), time);
     this.drawCollisions(recording, time, goal);
     if (edit) this.drawEdit(edit);
+    this.drawCaption(recording, time);
+  }
+
+  // Which push it is, of how many where all are known.
+  drawCaption(recording, time) {
+    const pushes = recording.pushes(), count = pushes.filter((push) => push.start <= time).length;
+    const state = recording.latest('state', time);
+    if (!state || !count || state.state !== 'push') return;
+    const isWhole = !recording.isLive || recording.latest('state', Infinity) !== state;
+    const c = this.context;
+    c.font = '600 16px system-ui, sans-serif';
+    c.textAlign = 'left';
+    c.textBaseline = 'top';
+    c.fillStyle = this.colors['push-' + (count - 1) % PUSH_COLOR_COUNT];
+    c.fillText(isWhole ? `push ${count} of ${pushes.length}` : `push ${count}`, 12, 10);
+  }
+
+  // Object and robot of the run before, at the same time.
+  drawGhost(ghost, time) {
+    if (!ghost) return;
+    const values = ghost.at(time), style = { stroke: this.colors.faint, width: 1.2, dash: [2, 3] };
+    this.shape(outlineOf(ghost.scene.object).map((vertex) => transform(poseOf(values, 'object'), vertex)), style);
+    this.drawRobot(poseOf(values, 'robot'), ghost.scene.robot.radius, style);
+  }
+
+  drawHoveredWall(wall) {
+    if (wall) this.line([wall.slice(0, 2), wall.slice(2)], this.colors.force, Math.max(4, WALL_THICKNESS * this.camera.scale));
   }
 
   // The object with a bar that marks its front.
@@ -36,6 +68,29 @@ class Floor extends Pen {
     const front = Math.max(...this.outline.map((vertex) => vertex[0]));
     this.line([transform(pose, [0.6 * front, 0]), transform(pose, [front, 0])], style.stroke,
               style.width, style.dash);
+  }
+
+  // The box from above: its shadow, its sides, and its lid.
+  drawSolidObject(pose) {
+    const { object, paper } = this.colors, vertices = this.outline;
+    const shadow = [pose[0] + SHADOW[0], pose[1] + SHADOW[1], pose[2]];
+    this.shape(vertices.map((vertex) => transform(shadow, vertex)), { fill: this.colors.ink, alpha: 0.13 });
+    this.shape(vertices.map((vertex) => transform(pose, vertex)), { fill: paper });
+    this.drawObject(pose, { fill: object, stroke: object, width: 2.5, alpha: 0.3 });
+    this.shape(vertices.map((vertex) => transform(pose, vertex.map((value) => LID * value))), { fill: paper, alpha: 0.5 });
+  }
+
+  // The robot from above: its wheels below its deck.
+  drawSolidRobot(pose, robot) {
+    const { robot: body, ink, paper } = this.colors, { radius } = robot, { scale } = this.camera;
+    this.circle([pose[0] + SHADOW[0], pose[1] + SHADOW[1]], radius * scale, { fill: ink, alpha: 0.13 });
+    this.drawRobot(pose, radius, { fill: body, stroke: ink, width: 2, alpha: 0.75 });
+    this.circle(pose, 0.62 * radius * scale, { fill: paper, alpha: 0.3 });
+    for (const angle of robot.drive === 'holonomic' ? [0, 2 * Math.PI / 3, -2 * Math.PI / 3] : [Math.PI / 2, -Math.PI / 2]) {
+      const wheel = [...transform(pose, [0.74 * radius * Math.cos(angle), 0.74 * radius * Math.sin(angle)]), pose[2] + angle + Math.PI / 2];
+      this.shape([[1, 1], [-1, 1], [-1, -1], [1, -1]].map(
+        ([u, v]) => transform(wheel, [0.24 * radius * u, 0.1 * radius * v])), { fill: ink });
+    }
   }
 
   drawRobot(pose, radius, style) {
@@ -84,12 +139,11 @@ class Floor extends Pen {
     const isObjectSeen = isSeen(values), camera = scene.camera && cameraPose(scene.camera, robot);
     if (camera) drawView(this, scene.camera, camera, isObjectSeen);
     // What nobody sees is an outline.
-    this.drawObject(object, isObjectSeen ? { fill: colors.object, stroke: colors.object, width: 2.5, alpha: 0.16 }
-      : { stroke: colors.object, width: 1.5, dash: [2, 4] });
+    if (isObjectSeen) this.drawSolidObject(object);
+    else this.drawObject(object, { stroke: colors.object, width: 1.5, dash: [2, 4] });
     this.drawSupports(scene, truth, object);
-    if (this.showsHandles && this.tool === 'object') this.drawHandle(object, colors.object);
-    this.drawRobot(robot, scene.robot.radius,
-                   { fill: colors.robot, stroke: colors.ink, width: 2, alpha: 0.75 });
+    if (this.canDragObject) this.drawHandle(object, colors.object);
+    this.drawSolidRobot(robot, scene.robot);
     if (camera) drawCameraSign(this, camera);
     this.drawBelief(values, scene, object);
     if (truth) this.drawCenter(transform(object, truth.friction_center));

@@ -16,6 +16,7 @@ class App {
     this.shown = { time: NaN, version: -1 };
     this.frames = [];
     this.editor = new Editor(byId('floor'), this);
+    this.session = new SessionControls(this);
     this.connection = null;
     this.listen();
     requestAnimationFrame((now) => this.frame(now));
@@ -41,6 +42,10 @@ class App {
     byId('zoom-in').addEventListener('click', () => zoom(1.3));
     byId('zoom-out').addEventListener('click', () => zoom(1 / 1.3));
     byId('fit').addEventListener('click', fit);
+    byId('ghost').addEventListener('change', () => {
+      this.recording.showsGhost = byId('ghost').checked;
+      this.recording.version += 1;
+    });
     byId('restart').addEventListener('click', () => this.send({ type: 'restart' }));
     const keys = {
       ' ': () => this.player.toggle(), ',': () => this.player.step(-1), '.': () => this.player.step(1),
@@ -49,6 +54,10 @@ class App {
     document.addEventListener('keydown', (event) => {
       const isTyping = event.target.closest('input, select, textarea, summary');
       const isButton = event.target.closest('button') && event.key === ' ';
+      if ((event.ctrlKey || event.metaKey) && event.key === 'z' && (this.tools || []).includes('wall')) {
+        event.preventDefault();
+        this.send({ type: 'undo' });
+      }
       if (isTyping || isButton || event.ctrlKey || event.altKey || event.metaKey || !keys[event.key]) return;
       event.preventDefault();
       keys[event.key]();
@@ -62,11 +71,17 @@ class App {
   apply(message) {
     if (this.recording.apply(message)) {
       if (message.type === 'scene') this.onScene();
-      if (message.type === 'rows') this.fitOnce();
+      if (message.type === 'rows') this.onRows();
     } else if (message.type === 'controls') {
       this.onControls(message);
     } else if (message.type === 'run') {
       this.onRun(message);
+    } else if (message.type === 'walls') {
+      this.onWalls(message);
+    } else if (message.type === 'link') {
+      this.session.link = message.link;
+    } else if (message.type === 'preparation') {
+      this.session.showPreparation(message);
     } else if (message.type === 'notice') {
       this.showMessage(message.text, this.player.ownsTime ? Infinity : REFUSAL_TIME);
     } else if (message.type === 'refused') {
@@ -74,7 +89,21 @@ class App {
     }
   }
 
+  onRows() {
+    this.fitOnce();
+    if (this.recording.isLive && this.player.isFollowing && !this.editor.edit) this.camera.follow(this.recording);
+  }
+
+  onWalls(message) {
+    this.recording.walls = message.walls;
+    this.floor.hoveredWall = -1;
+    byId('undo').disabled = !message.can_undo;
+    byId('clear-walls').disabled = !message.walls.length;
+    this.redraw();
+  }
+
   onScene() {
+    byId('ghost-choice').hidden = !this.recording.ghost;
     this.recording.isLive = this.player.isLive;
     this.camera.isFitted = false;
     this.player.time = 0;
@@ -88,6 +117,7 @@ class App {
     this.player.ownsTime = message.owns_time;
     const shown = {
       tools: this.canEdit, restart: message.owns_time, 'clear-walls': message.tools.includes('wall'),
+      undo: message.tools.includes('wall'), 'copy-link': message.owns_time, save: message.owns_time,
       'choice-section': message.choices.length > 0, 'sensor-section': message.settings.length > 0,
       calls: message.calls.length > 0, 'speed-choice': message.owns_time };
     for (const [id, isShown] of Object.entries(shown)) byId(id).hidden = !isShown;
@@ -96,8 +126,14 @@ class App {
     }
     for (const element of document.querySelectorAll('.live')) element.hidden = !this.canEdit;
     this.floor.showsHandles = this.canEdit;
+    this.floor.canDragObject = message.tools.includes('object');
     if (!this.canEdit) this.editor.setTool('pan');
     this.panel.showControls(message, (answer) => this.send(answer));
+    this.session.showPresets(message.presets);
+    if (message.owns_time) {
+      this.session.showHint();
+      this.session.openLink();
+    }
     this.redraw();
   }
 
@@ -109,7 +145,8 @@ class App {
     this.player.rate = message.achieved === null ? message.speed : Math.max(message.achieved, LEAST_RATE);
     byId('speed').value = message.speed;
     const isSlow = message.achieved !== null && message.achieved < 0.8 * message.speed;
-    setText(byId('achieved'), isSlow ? `(this machine: ${message.achieved} ×)` : '');
+    const isResting = message.at_rest && !message.paused;
+    setText(byId('achieved'), isResting ? 'time stands until something happens' : isSlow ? `(this machine: ${message.achieved} ×)` : '');
   }
 
   showMessage(text, duration = Infinity) {

@@ -14,6 +14,11 @@ function setText(element, text) {
   if (element.textContent !== text) element.textContent = text;
 }
 
+// A span of a class.
+function span(className, text = '') {
+  return Object.assign(document.createElement('span'), { className, textContent: text });
+}
+
 function cell(row, text, tag = 'td') {
   const element = document.createElement(tag);
   element.textContent = text;
@@ -60,6 +65,7 @@ class Panel {
     this.inputs = new Map();
     byId('legend').innerHTML = LEGEND.map(
       ([name, picture]) => `<li><svg viewBox="0 0 30 18" aria-hidden="true">${picture}</svg>${name}</li>`).join('');
+    for (const term of document.querySelectorAll('th.term')) explain(term, term.textContent);
   }
 
   // A new scene: tables have other rows.
@@ -84,14 +90,15 @@ class Panel {
     const isHolonomic = scene.robot.drive === 'holonomic';
     this.base = BASE_VALUES.filter(([name]) => isHolonomic || name !== 'min_yaw_rate').map(([name, label, unit, digits]) => {
       const row = body.insertRow();
-      cell(row, `${label} [${unit}]`, 'th').scope = 'row';
+      const head = explain(cell(row, `${label} [${unit}]`, 'th'), label);
+      Object.assign(head, { scope: 'row', className: 'term' });
       return { name, digits, cells: [0, 1, 2].map(() => cell(row, '')) };
     });
   }
 
   frictionRow(body, name, setting) {
     const row = body.insertRow();
-    cell(row, name, 'th').scope = 'row';
+    Object.assign(explain(cell(row, name, 'th'), name), { scope: 'row', className: 'term' });
     const cells = { setting, trueValue: cell(row, ''), nominal: cell(row, ''), believed: cell(row, '') };
     return cells;
   }
@@ -123,7 +130,7 @@ class Panel {
   setValue(name, text) {
     if (!this.values.has(name)) {
       const term = document.createElement('dt'), value = document.createElement('dd');
-      term.textContent = name;
+      term.append(explain(span('term', name), name));
       byId('values').append(term, value);
       this.values.set(name, value);
     }
@@ -282,13 +289,13 @@ class Panel {
     select.value = choice.value;
     select.name = choice.name;
     select.addEventListener('change', () => send({ type: 'choose', [choice.name]: select.value }));
-    label.append(choice.name, select);
+    label.append(explain(span('term', choice.name), choice.name), select);
     byId('choices').append(label);
   }
 
   addSetting(setting, place, send) {
     const label = document.createElement('label'), input = document.createElement('input');
-    const output = document.createElement('output');
+    const output = span('value');
     const low = setting.factor * setting.low, high = setting.factor * setting.high, step = (high - low) / 100;
     const digits = high >= 50 ? 0 : high > 2 ? 1 : 2;
     const show = () => { output.textContent = ` ${Number(input.value).toFixed(digits)} ${setting.unit}`; };
@@ -303,7 +310,7 @@ class Panel {
       place.replaceChildren(input, output);
       return;
     }
-    label.append(Object.assign(document.createElement('span'), { textContent: setting.label }), output, input);
+    label.append(explain(span('term', setting.label), setting.label), output, input);
     byId('sensors').append(label);
   }
 }

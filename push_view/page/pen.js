@@ -38,6 +38,7 @@ class Pen {
       c.fill();
       c.globalAlpha = 1;
     }
+    if (!stroke) return;
     c.setLineDash(dash);
     c.lineWidth = width;
     c.strokeStyle = stroke;

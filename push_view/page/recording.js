@@ -7,6 +7,8 @@ const STEPS = ['mode', 'object_seen'];
 const ANGLES = /(_theta|_angle|^normal)$/;
 // Rows that a page keeps: an hour at 25 Hz; then the older half goes.
 const MOST_ROWS = 90000;
+// Rows of a run that is kept as the run before [at 50 Hz]; chosen: what is shorter was begun by mistake.
+const LEAST_GHOST = 50;
 // Points of a drawn path are this far apart [m].
 const PATH_STEP = 0.004;
 
@@ -27,10 +29,23 @@ function lastNotLater(list, time, timeOf) {
 class Recording {
   constructor() {
     this.version = 0;
+    this.ghost = null;  // the run before
+    this.showsGhost = true;
+    this.walls = [];  // that were drawn: [x, y, x, y] each
     this.clear(null);
   }
 
+  // Keep what has been as the run before, to be shown beside the next one.
+  takeGhost() {
+    if (!this.time || this.time.length < LEAST_GHOST) return;
+    const { scene, time, columns, goals, truths } = this, { rowAt, at, latest } = Recording.prototype;
+    this.ghost = { scene, time, columns, goals, truths, isEmpty: false, rowAt, at, latest };
+  }
+
+  get shownGhost() { return this.showsGhost ? this.ghost : null; }
+
   clear(scene) {
+    this.takeGhost();
     this.scene = scene;
     this.names = scene ? scene.columns : [];
     this.columns = Object.fromEntries(this.names.map((name) => [name, []]));

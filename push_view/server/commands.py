@@ -61,6 +61,30 @@ class ClearWalls(NamedTuple):
     """Remove all walls that were drawn."""
 
 
+class RemoveWall(NamedTuple):
+    """
+    Remove one wall that was drawn.
+
+    :param wall: its number, from 0 on in the order in which they were drawn.
+    """
+
+    wall: int
+
+
+class UndoWall(NamedTuple):
+    """Take back what was last drawn or removed."""
+
+
+class OpenLink(NamedTuple):
+    """
+    Start over with the set-up of a link.
+
+    :param link: the part of its address behind ``#``.
+    """
+
+    link: str
+
+
 class Choose(NamedTuple):
     """
     Start over with something else.
@@ -113,8 +137,8 @@ class Call(NamedTuple):
     name: str
 
 
-Command = (SetGoal | DisplaceObject | AddWall | ClearWalls | Choose | SetValue | Run | Step
-           | Restart | Call)
+Command = (SetGoal | DisplaceObject | AddWall | RemoveWall | UndoWall | ClearWalls | Choose
+           | OpenLink | SetValue | Run | Step | Restart | Call)
 
 
 def parse_command(text: str) -> Command:
@@ -171,6 +195,20 @@ def _point(kind: str, name: str, values: Mapping[str, Any]) -> tuple[float, floa
     return x, y
 
 
+def _remove_wall(kind: str, values: Mapping[str, Any]) -> RemoveWall:
+    wall = values.get('wall')
+    if not isinstance(wall, int) or isinstance(wall, bool):
+        raise CommandRefused(f'{kind}.wall: got {_quoted(wall)}, expected a whole number')
+    return RemoveWall(wall)
+
+
+def _open(kind: str, values: Mapping[str, Any]) -> OpenLink:
+    link = values.get('link')
+    if not isinstance(link, str):
+        raise CommandRefused(f'{kind}.link: got {_quoted(link)}, expected the text of a link')
+    return OpenLink(link)
+
+
 def _choose(kind: str, values: Mapping[str, Any]) -> Choose:
     for name, value in values.items():
         if not isinstance(value, str):
@@ -208,8 +246,11 @@ _READERS: dict[str, tuple[Callable[[str, Mapping[str, Any]], Command], tuple[str
     'displace': (lambda kind, values: DisplaceObject(_pose(kind, values)), ('pose',)),
     'wall': (lambda kind, values: AddWall(_point(kind, 'start', values),
                                           _point(kind, 'end', values)), ('start', 'end')),
+    'remove_wall': (_remove_wall, ('wall',)),
+    'undo': (lambda kind, values: UndoWall(), ()),
     'clear_walls': (lambda kind, values: ClearWalls(), ()),
     'choose': (_choose, None),
+    'open': (_open, ('link',)),
     'set': (_set, ('name', 'value')),
     'run': (_run, ('paused', 'speed')),
     'step': (lambda kind, values: Step(), ()),

@@ -35,9 +35,11 @@ class Access(NamedTuple):
     Who may use the page.
 
     :param token: that must be in the address, or None where only this machine is served.
+    :param origin: of the page behind a proxy, as ``https://robot.example``; None without one.
     """
 
     token: str | None = None
+    origin: str | None = None
 
     def fault(self, request: web.Request, needs_origin: bool) -> str:
         """
@@ -53,9 +55,23 @@ class Access(NamedTuple):
         if self.token is not None and not hmac.compare_digest(
                 request.query.get('token', '').encode(), self.token.encode()):
             return 'The token is missing or wrong; the server has printed the whole address.'
-        if needs_origin and request.headers.get('Origin') != f'http://{host}':
+        if needs_origin and request.headers.get('Origin') not in (f'http://{host}', self.origin):
             return 'Commands are for the page of this server only.'
         return ''
+
+
+class Callbacks(NamedTuple):
+    """
+    What the server asks of a session.
+
+    :param handle: called with the text of each command; raises ``CommandRefused``.
+    :param on_page_count: called with the number of pages that are open, where it changes.
+    :param scenario_text: returns the scenario file to download; None where there is none.
+    """
+
+    handle: Handler
+    on_page_count: Callable[[int], None] = lambda count: None
+    scenario_text: Callable[[], str] | None = None
 
 
 class PageServer:
@@ -64,23 +80,24 @@ class PageServer:
 
     :param title: of the page.
     :param log: what is shown.
-    :param handle: called with the text of each command; raises ``CommandRefused``.
+    :param callbacks: of the session.
     :param access: who may use it.
     """
 
-    def __init__(self, title: str, log: MessageLog, handle: Handler,
+    def __init__(self, title: str, log: MessageLog, callbacks: Callbacks,
                  access: Access = Access()) -> None:
         self.refused = 0
         self._title = title
         self._log = log
-        self._handle = handle
+        self._callbacks = callbacks
         self._access = access
         self._sockets: set[web.WebSocketResponse] = set()
 
     def application(self) -> web.Application:
         """Make the application that answers requests."""
         application = web.Application()
-        application.add_routes([web.get('/', self._page), web.get('/socket', self._socket)])
+        application.add_routes([web.get('/', self._page), web.get('/socket', self._socket),
+                                web.get('/scenario.yaml', self._scenario)])
         application.on_shutdown.append(self._close)
         return application
 
@@ -91,6 +108,16 @@ class PageServer:
         return web.Response(text=page_html(self._title), content_type='text/html',
                             headers=HEADERS)
 
+    async def _scenario(self, request: web.Request) -> web.Response:
+        fault = self._access.fault(request, needs_origin=False)
+        if fault:
+            return web.Response(status=403, text=fault, headers=HEADERS)
+        if self._callbacks.scenario_text is None:
+            return web.Response(status=404, text='There is no simulation.', headers=HEADERS)
+        return web.Response(
+            text=self._callbacks.scenario_text(), content_type='application/yaml',
+            headers={**HEADERS, 'Content-Disposition': 'attachment; filename="scenario.yaml"'})
+
     async def _socket(self, request: web.Request) -> web.StreamResponse:
         fault = self._access.fault(request, needs_origin=True)
         if fault:
@@ -98,12 +125,14 @@ class PageServer:
         socket = web.WebSocketResponse(max_msg_size=MAX_COMMAND, heartbeat=30.0)
         await socket.prepare(request)
         self._sockets.add(socket)
+        self._callbacks.on_page_count(len(self._sockets))
         sender = asyncio.create_task(self._send(socket))
         try:
             await self._receive(socket)
         finally:
             sender.cancel()
             self._sockets.discard(socket)
+            self._callbacks.on_page_count(len(self._sockets))
         return socket
 
     async def _send(self, socket: web.WebSocketResponse) -> None:
@@ -120,7 +149,7 @@ class PageServer:
             try:
                 if message.type is not WSMsgType.TEXT:
                     raise CommandRefused('message: got bytes, expected text')
-                await self._handle(message.data)
+                await self._callbacks.handle(message.data)
             except CommandRefused as refusal:
                 refusals += 1
                 self.refused += 1

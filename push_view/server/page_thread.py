@@ -6,7 +6,7 @@ import threading
 from typing import Any, TypeVar
 
 from push_view.server.message_log import MessageLog
-from push_view.server.page_server import Handler
+from push_view.server.page_server import Access, Callbacks
 from push_view.server.serving import serve
 
 # Longest wait for start or end of the server [s]; chosen: both take milliseconds.
@@ -23,21 +23,21 @@ class PageThread:
         self._loop = asyncio.new_event_loop()
         threading.Thread(target=self._loop.run_forever, daemon=True).start()
 
-    def start(self, title: str, log: MessageLog, handle: Handler, *, host: str, port: int,
-              token: str | None) -> str:
+    def start(self, title: str, log: MessageLog, callbacks: Callbacks, *, host: str, port: int,
+              access: Access) -> str:
         """
         Serve the page.
 
         :param title: of the page.
         :param log: what is shown.
-        :param handle: called, in the thread, with the text of each command.
+        :param callbacks: called in the thread.
         :param host: address to listen at.
         :param port: its port, 0 for any that is free.
-        :param token: that others need, None for this machine alone.
+        :param access: who may use it.
         :return: the address of the page.
         :raises OSError: where the port is taken.
         """
-        self._server = serve(title, log, handle, host=host, port=port, token=token)
+        self._server = serve(title, log, callbacks, host=host, port=port, access=access)
         return self._wait_for(self._server.__aenter__())
 
     def stop(self) -> None:

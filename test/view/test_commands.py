@@ -4,8 +4,8 @@ import json
 
 from push_model.geometry import Pose
 from push_view.server.commands import (
-    AddWall, Choose, ClearWalls, CommandRefused, DisplaceObject, parse_command, Restart, Run,
-    SetGoal, SetValue, Step,
+    AddWall, Choose, ClearWalls, CommandRefused, DisplaceObject, OpenLink, parse_command,
+    RemoveWall, Restart, Run, SetGoal, SetValue, Step, UndoWall,
 )
 import pytest
 
@@ -19,6 +19,9 @@ import pytest
     ('{"type": "set", "name": "friction.0", "value": 0.2}', SetValue('friction.0', 0.2)),
     ('{"type": "run", "paused": true}', Run(paused=True)),
     ('{"type": "run", "speed": 5}', Run(speed=5.0)),
+    ('{"type": "remove_wall", "wall": 2}', RemoveWall(2)),
+    ('{"type": "undo"}', UndoWall()),
+    ('{"type": "open", "link": "object=bin"}', OpenLink('object=bin')),
     ('{"type": "step"}', Step()),
     ('{"type": "restart"}', Restart()),
 ])
@@ -41,6 +44,8 @@ def test_a_command_is_understood(text, command):
     ('{"type": "goal", "pose": [1, true, 0]}', 'goal.pose: got True'),
     ('{"type": "goal", "pose": [1e9, 0, 0]}', 'goal.pose: got 1000000000.0'),
     ('{"type": "goal", "pose": [0, 0, 0], "speed": 1}', 'goal.speed: got an unknown field'),
+    ('{"type": "remove_wall", "wall": true}', 'remove_wall.wall: got True'),
+    ('{"type": "open", "link": 7}', 'open.link: got 7, expected the text of a link'),
     ('{"type": "run", "speed": 100}', 'run.speed: got 100, expected a number from 0.1 to 10'),
     ('{"type": "run", "paused": 1}', 'run.paused: got 1, expected true or false'),
     ('{"type": "choose", "object": 3}', 'choose.object: got 3, expected a name'),

@@ -4,6 +4,7 @@ import socket
 
 from helpers.extras import import_extra
 from push_view.cli import main
+from push_view.server.address import qr_code
 import pytest
 
 import_extra('aiohttp', 'play')
@@ -23,6 +24,21 @@ def test_what_is_no_port_is_refused(port, capsys):
         main([f'--port={port}'])
     assert exit_.value.code == 2
     assert f"got '{port}', expected a number from 0 to 65535" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize('origin', ['robot.example', 'ftp://robot.example', 'http://a/path'])
+def test_what_is_no_address_of_a_proxy_is_refused(origin, capsys):
+    with pytest.raises(SystemExit) as exit_:
+        main([f'--origin={origin}'])
+    assert exit_.value.code == 2
+    assert f"got '{origin}', expected an address without a path" in capsys.readouterr().err
+
+
+def test_an_address_is_drawn_for_telephones():
+    """As many rows as half of the modules of its code, with their margin."""
+    import_extra('segno', 'play')
+    rows = qr_code('http://192.0.2.1:8642/?token=x').splitlines()
+    assert len(rows) >= 14 and len(set(map(len, rows))) >= 1 and '█' in ''.join(rows) + '▄▀█'
 
 
 def test_a_scenario_without_a_task_is_refused_before_an_address_is_shown(capsys):

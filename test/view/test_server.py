@@ -20,9 +20,11 @@ class Page:
     A client of a server that notes the commands it is sent.
 
     :param client: of aiohttp.
+    :param counts: numbers of pages that the session was told of.
     """
 
-    def __init__(self, client, page_server, log, commands):
+    def __init__(self, client, page_server, log, commands, counts):
+        self.counts = counts
         self.client = client
         self.server = page_server
         self.log = log
@@ -38,17 +40,18 @@ class Page:
         return await self.client.ws_connect(path, headers={'Origin': self.origin, **headers})
 
 
-def with_page(play, token=None):
+def with_page(play, token=None, origin=None):
     """Run a coroutine function on the ``Page`` of a new server."""
     async def run():
-        log, commands = MessageLog(), []
+        log, commands, counts = MessageLog(), [], []
 
         async def handle(text):
             commands.append(parse_command(text))
 
-        page_server = server.PageServer('a run', log, handle, server.Access(token))
+        page_server = server.PageServer('a run', log, server.Callbacks(
+            handle, counts.append, lambda: 'goal: {}'), server.Access(token, origin))
         async with TestClient(TestServer(page_server.application())) as client:
-            return await play(Page(client, page_server, log, commands))
+            return await play(Page(client, page_server, log, commands, counts))
 
     return asyncio.run(run())
 
@@ -137,22 +140,60 @@ def test_others_need_the_token():
     with_page(play, token='secret')
 
 
+def test_a_page_behind_a_proxy_commands_under_its_own_address():
+    """And under no other that is not the server's."""
+    async def play(page):
+        path = '/socket?token=secret'
+        for origin in (page.origin, 'https://robot.example'):
+            assert not (await page.socket(path, Origin=origin)).closed
+        for origin in ('http://robot.example', 'https://robot.example.evil', 'null'):
+            with pytest.raises(aiohttp.WSServerHandshakeError):
+                await page.socket(path, Origin=origin)
+
+    with_page(play, token='secret', origin='https://robot.example')
+
+
+def test_a_session_is_told_how_many_pages_there_are():
+    """Until the last one is closed."""
+    async def play(page):
+        sockets = [await page.socket(), await page.socket()]
+        for socket in sockets:
+            await socket.close()
+        while page.counts[-1]:
+            await asyncio.sleep(0.0)
+        assert page.counts == [1, 2, 1, 0]
+
+    with_page(play)
+
+
+def test_the_scenario_is_downloaded_by_those_who_see_the_page():
+    """As a file."""
+    async def play(page):
+        answer = await page.client.get('/scenario.yaml?token=secret')
+        assert (answer.status, await answer.text()) == (200, 'goal: {}')
+        assert 'attachment' in answer.headers['Content-Disposition']
+        assert (await page.client.get('/scenario.yaml')).status == 403
+
+    with_page(play, token='secret')
+
+
 def test_an_address_is_served_while_it_is_needed():
     """Then the port is free again; one that is taken is an error."""
     async def run():
         async def handle(text):
             pass
 
-        options = {'host': '127.0.0.1', 'token': None}
-        async with serving.serve('a run', MessageLog(), handle, port=0, **options) as url:
+        options = {'host': '127.0.0.1', 'access': server.Access()}
+        callbacks = server.Callbacks(handle)
+        async with serving.serve('a run', MessageLog(), callbacks, port=0, **options) as url:
             port = int(url.rstrip('/').rpartition(':')[2])
             async with aiohttp.ClientSession() as session:
                 async with session.get(url) as answer:
                     assert answer.status == 200
             with pytest.raises(OSError):
-                async with serving.serve('two', MessageLog(), handle, port=port, **options):
+                async with serving.serve('two', MessageLog(), callbacks, port=port, **options):
                     pass
-        async with serving.serve('a run', MessageLog(), handle, port=port, **options) as again:
+        async with serving.serve('a run', MessageLog(), callbacks, port=port, **options) as again:
             assert again == url
 
     asyncio.run(run())

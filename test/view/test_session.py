@@ -11,7 +11,7 @@ from push_scenario.definition.expected_poses import with_sensors
 from push_scenario.definition.loader import load_scenario, read_sensors
 from push_view.live.session import Session
 from push_view.live.setup import Setup
-from push_view.live.walls import open_floor, with_wall
+from push_view.live.walls import Drawing, open_floor, with_wall
 from push_view.server.commands import CommandRefused, parse_command
 from push_view.server.message_log import MessageLog
 import pytest
@@ -102,6 +102,51 @@ def test_a_wall_replaces_the_plan(session):
     assert messages(session, 'map')[-1]['rows'] == []
 
 
+def test_walls_are_removed_one_by_one_and_changes_taken_back(session):
+    """The map and the list that a page removes them from; nothing is left to take back at last."""
+    first, second = ([1.0, -1.0], [1.0, 1.0]), ([-1.5, -1.0], [-1.5, 1.0])
+    maps = [messages(session, 'map')[-1]['rows']]
+    for start, end in (first, second):
+        session.handle(command('wall', start=start, end=end))
+        maps.append(messages(session, 'map')[-1]['rows'])
+    session.handle(command('remove_wall', wall=0))
+    assert messages(session, 'walls')[-1]['walls'] == [[*second[0], *second[1]]]
+    assert messages(session, 'map')[-1]['rows'] not in maps
+    with pytest.raises(CommandRefused, match='remove_wall.wall: got 1, expected one of 1 walls'):
+        session.handle(command('remove_wall', wall=1))
+    for rows in (maps[2], maps[1], maps[0]):
+        session.handle(command('undo'))
+        assert messages(session, 'map')[-1]['rows'] == rows
+    assert messages(session, 'walls')[-1] == {'type': 'walls', 'walls': [], 'can_undo': False}
+    with pytest.raises(CommandRefused, match='undo: got no change'):
+        session.handle(command('undo'))
+
+
+def test_nothing_happens_once_the_robot_waits(session):
+    """A second after all stands, until its user does something."""
+    assert not session.is_at_rest
+    advance_until_standing(session)
+    assert not session.is_at_rest
+    end = session.time + 30.0
+    while not session.is_at_rest and session.time < end:
+        session.advance(0.1)
+    assert session.is_at_rest
+    session.handle(command('displace', pose=[1.0, 1.0, 0.0]))
+    assert not session.is_at_rest
+
+
+def test_presets_are_commands_that_are_understood(session):
+    """A kick depends on where things are, and is made a command by the page."""
+    for preset in messages(session, 'controls')[-1]['presets']:
+        for values in preset['commands']:
+            if values['type'] != 'kick':
+                session.handle(command(values.pop('type'), **values))
+    assert session.setup.choices['base'] == 'late_03'
+    assert session.setup.choices['sensors'] == 'own_camera'
+    assert max(support.friction_coefficient
+               for support in session.setup.scenario.true_object.supports) == 0.9
+
+
 def test_nothing_gets_through_a_wall(session):
     """The robot stops at one that is not on its map, says why, and takes the next goal."""
     session.handle(command('displace', pose=[0.0, -1.5, 0.0]))
@@ -112,7 +157,7 @@ def test_nothing_gets_through_a_wall(session):
     corners = [(x + u * 0.4, y + v * 0.4) for u, v in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
     for start, end in zip(corners, corners[1:] + corners[:1]):
         ring = with_wall(ring, start, end)
-    run._map = session._map = ring
+    run._map, session._drawing = ring, Drawing(ring)
     while not session.is_standing and session.time < 60.0:
         session.advance(0.1)
     session.advance(0.2)
