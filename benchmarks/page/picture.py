@@ -1,9 +1,9 @@
 """
 Draw the picture of the page in the docs: ``python -m benchmarks.page.picture docs/page.png``.
 
-A session of ``push play`` runs the demonstration with another goal and a wall; once it has come to its
-end, the page is shown in the middle of the second push. The picture ends below a section of the
-right column, so that none is cut.
+A session of ``push play`` runs the demonstration with another goal and a wall; once it has come
+to its end, the page is shown in the middle of the second push. The picture ends below a section of
+the right column, so that none is cut.
 """
 
 import base64

@@ -35,10 +35,11 @@ def test_what_is_no_address_of_a_proxy_is_refused(origin, capsys):
 
 
 def test_an_address_is_drawn_for_telephones():
-    """As many rows as half of the modules of its code, with their margin."""
+    """A square of modules, two rows in each line, with a margin of four round it."""
     import_extra('segno', 'play')
-    rows = qr_code('http://192.0.2.1:8642/?token=x').splitlines()
-    assert len(rows) >= 14 and len(set(map(len, rows))) >= 1 and '█' in ''.join(rows) + '▄▀█'
+    lines = qr_code('http://192.0.2.1:8642/?token=x').splitlines()
+    width, = set(map(len, lines))
+    assert width % 4 == 1 and width >= 21 + 8 and len(lines) == (width + 1) // 2
 
 
 def test_a_scenario_without_a_task_is_refused_before_an_address_is_shown(capsys):
