@@ -2,9 +2,9 @@
 Benchmark of the page: frames in a second, and what takes long, while a simulation runs.
 
 A session of ``push play`` runs at real time in a process of its own; a browser without a window
-shows it. Frames are counted by ``requestAnimationFrame``, and tasks that keep the page busy for longer
-than 50 ms by a ``PerformanceObserver``. The time in which the page computes a frame is that of its
-scripts; what the browser then paints is in the interval between frames alone.
+shows it. Frames are counted by ``requestAnimationFrame``, and tasks that keep the page busy for
+longer than 50 ms by a ``PerformanceObserver``. The time in which the page computes a frame is that
+of its scripts; what the browser then paints is in the interval between frames alone.
 """
 
 import argparse
