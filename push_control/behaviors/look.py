@@ -19,8 +19,9 @@ from push_control.events import TaskEvent
 from push_control.goal import TaskFailure
 from push_control.perception.perception import TaskPerception
 from push_control.perception.view import bearing, GAP_MARGIN, View
-from push_model.geometry import distance, Pose, wrap_angle
+from push_model.geometry import distance, FloatArray, Pose, wrap_angle
 from push_model.signals import STOP, Twist
+from push_navigation.map_clearance import map_clearance, MapContext
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.path import (
     differential_path, holonomic_path, NoPathFound, Path, sample_path, Waypoint)
@@ -45,6 +46,9 @@ SEARCH_RATE, SEARCH_ANGLE = 0.9, 2.0 * math.pi + 0.4
 # Rounds of a search, and the distance from its start that each of them adds [m]; chosen: what an
 # object is displaced by, and what hides it.
 ROUNDS, ROUND_DISTANCE = 4, 0.35
+# Standard deviation of a robot beside which an object is not where it should be [m]; chosen: the
+# object would be in view by less.
+MISSING_STD = 0.2
 # Directions in which the next place of a search is sought, each beside the one before by this
 # angle [rad].
 DIRECTIONS, DIRECTION_STEP = 8, 0.25 * math.pi
@@ -359,16 +363,32 @@ class Look(Behavior[TaskPerception]):
 
     def _is_free(self, perception: TaskPerception, path: Path) -> bool:
         """Tell whether a path keeps clear of obstacles, and of where the object may be."""
-        context, drive = self._context, self._context.drive
-        poses = sample_path(path, context.robot, SPACING)
-        if context.occupancy_map is not None and not context.occupancy_map.robot_is_free(
-                context.robot, poses, drive.map_clearance):
+        drive = self._context.drive
+        poses = sample_path(path, self._context.robot, SPACING)
+        if not self._is_clear(perception, poses):
             return False
         if not perception.localization.has_object:
             return True
         members, object_pose = perception.localization.members, perception.expected_object_pose
         least_gap = min(drive.clearance, _expected_gap(perception))
         return all(members.gap(object_pose, Pose(*pose)) >= least_gap for pose in poses.tolist())
+
+    def _is_clear(self, perception: TaskPerception, poses: FloatArray) -> bool:
+        """Tell whether a path keeps clear of obstacles, wherever the robot may be."""
+        context, uncertainty = self._context, perception.position_uncertainty
+        if context.occupancy_map is None:
+            return True
+        if perception.localization.has_object and not perception.is_robot_measured:
+            # The object may be elsewhere, or the robot.
+            uncertainty = uncertainty._replace(
+                position=math.hypot(uncertainty.position, MISSING_STD))
+        try:
+            clearance = map_clearance(
+                context.robot, Pose(*poses[0].tolist()), Pose(*poses[-1].tolist()), context.drive,
+                MapContext(context.occupancy_map, uncertainty))
+        except NoPathFound:
+            return False
+        return clearance.is_free(poses)
 
 
 def path_off(context: BehaviorContext, perception: TaskPerception, margin: float,

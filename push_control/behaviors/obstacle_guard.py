@@ -31,18 +31,24 @@ class ObstacleGuard:
                         for clearance in planned]
         self._last: list[float] | None = None
         self._rates = [0.0, 0.0]
+        # Number of poses at that time.
+        self._count = 0
         self._elapsed = 0.0
 
-    def is_close(self, object_pose: Pose, robot_pose: Pose, dt: float) -> bool:
+    def is_close(self, object_poses: ArrayLike, robot_poses: ArrayLike, dt: float) -> bool:
         """
         Tell whether the push has to end.
 
+        :param object_poses: where the object may be by now (x, y, theta), shape (n, 3); the
+            nearest one to an obstacle counts.
+        :param robot_poses: likewise.
         :param dt: time since the last call [s].
         """
-        clearances = self._clearances([object_pose], [robot_pose])
+        clearances, count = self._clearances(object_poses, robot_poses), len(np.asarray(
+            object_poses))
         self._elapsed += dt
-        if self._last is None:
-            self._last, self._elapsed = clearances, 0.0
+        if self._last is None or count != self._count:
+            self._last, self._elapsed, self._count = clearances, 0.0, count
         elif self._elapsed >= MEASURED_TIME:
             self._rates = [(now - before) / self._elapsed
                            for now, before in zip(clearances, self._last)]

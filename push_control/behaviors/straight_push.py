@@ -72,6 +72,9 @@ MAX_STOPPING_TIME = 0.8
 # touches then [m]; chosen: what they spin until that is noticed.
 SPUN_STD = 0.1
 TOUCHING_STD = 0.01
+# Members that all have to keep clear of obstacles while nothing is seen; chosen: the nearest one
+# of them is 1.6 standard deviations off, in the mean.
+GUARDED_MEMBERS = 12
 
 
 def pushing_speed(target: PushTrajectory) -> float:
@@ -200,12 +203,15 @@ class StraightPush(Behavior[TaskPerception]):
         """Take in a measurement."""
         progress = self._with_motion(self._progress, perception, dt)
         progress = self._with_object(progress, perception)
+        if progress.stage is Stage.PUSHING or progress.is_blind:
+            progress = dataclasses.replace(
+                progress, is_near_obstacle=self._is_near_obstacle(progress.is_blind, dt))
         if progress.stage is Stage.RUN_IN:
             return self._with_contact(progress)
         if progress.stage is Stage.PUSHING:
             watch = self._watch_wheels(progress, perception)
             return dataclasses.replace(
-                progress, is_near_obstacle=self._is_near_obstacle(dt),
+                progress,
                 is_spinning=watch.is_spinning,
                 is_creeping=(watch.is_creeping
                              and not perception.localization.has_pose_bias),
@@ -293,10 +299,15 @@ class StraightPush(Behavior[TaskPerception]):
         watch.add_object_pose(measured, contact, direction, noise.position_deviation)
         return watch
 
-    def _is_near_obstacle(self, dt: float) -> bool:
-        ensemble = self._ensemble
-        return self._guard is not None and self._guard.is_close(
-            ensemble.object_pose, ensemble.pose, dt)
+    def _is_near_obstacle(self, is_blind: bool, dt: float) -> bool:
+        """Tell whether an obstacle ends the push; unseen ones are clear wherever they may be."""
+        if self._guard is None:
+            return False
+        if not is_blind:
+            return self._guard.is_close([self._ensemble.object_pose], [self._ensemble.pose], dt)
+        members = self._ensemble.members
+        chosen = np.linspace(0, members.count - 1, GUARDED_MEMBERS).astype(int)
+        return self._guard.is_close(members.object_poses[chosen], members.robot_poses[chosen], dt)
 
     def _with_course(self, progress: PushProgress) -> PushProgress:
         """Choose the arc now and then, and where to stop on it as the end comes near."""

@@ -36,12 +36,14 @@ class OdometryNoise(NamedTuple):
     :param drift: heading error per distance [rad/m].
     :param walk: random walk of the position [m/sqrt(m)].
     :param heading_walk: random walk of the heading [rad/sqrt(m)].
+    :param load: relative error of distances besides, of a robot that pushes what it does not see.
     """
 
     scale: float
     drift: float
     walk: float
     heading_walk: float
+    load: float = 0.0
 
 
 class RobotMemory(NamedTuple):
@@ -67,9 +69,10 @@ class EnsembleState:
     newest object pose [s], or None. ``last_contact``: time of the last contact [s]. ``outliers``:
     number of object poses in a row that nothing explains. ``log_likelihood``: logarithm of the
     likelihood of all object poses, up to a constant. ``coupled_until``: time up to which object
-    poses tell of a contact that nobody has seen [s]. ``is_relative``: whether the newest object
-    pose is relative to the robot. ``is_in_map``: whether the robot is localized with errors that
-    stay, as in a map.
+    poses tell of a contact that nobody has seen [s]. ``explained_time``: of the newest object pose
+    that the members explain [s]. ``is_relative``: whether the newest object pose is relative to
+    the robot. ``is_in_map``: whether the robot is localized with errors that stay, as in a map.
+    ``load_errors``: relative errors of distances of robots that push, shape (n, 1).
     """
 
     def __init__(self, members: Members, bias: PoseBias, odometry_noise: OdometryNoise,
@@ -91,9 +94,13 @@ class EnsembleState:
         self.outliers = 0
         self.log_likelihood = 0.0
         self.coupled_until = -math.inf
+        self.explained_time = -math.inf
         self.is_relative = False
         self.is_in_map = False
         self._draw_parameters()
+        self.load_errors: FloatArray = np.zeros((members.count, 1))
+        if odometry_noise.load > 0.0:
+            self.load_errors += odometry_noise.load * self.normal((members.count, 1))
 
     def _draw_parameters(self) -> None:
         members, noise = self.members, self.odometry_noise
@@ -185,4 +192,6 @@ class EnsembleState:
         self.history, self.bias = other.history, other.bias
         self.outliers, self.last_contact = other.outliers, other.last_contact
         self.coupled_until = other.coupled_until
+        self.explained_time = other.explained_time
+        self.load_errors = other.load_errors
         self.is_relative = other.is_relative

@@ -12,7 +12,9 @@ half of the standard deviation, so that no update makes the ensemble too sure.
 
 An object that nobody touches tells nothing of the robot: then only the object is updated. Poses
 that come late after a contact which nobody has seen tell of it, as those during one do. A pose
-that nothing explains is an outlier; several in a row are an object that somebody has moved.
+that nothing explains is an outlier. Several in a row are an object that somebody has moved; or,
+after a contact which nobody has seen, one that the robot has pushed otherwise than any member
+expects. Then the members differ too little, and are spread until they explain it.
 
 A pose z that is relative to the robot is compared with each member's own relation of robot r and
 object o, r^-1 o. It tells of the robot and of odometry always, so that an object at rest is a
@@ -47,6 +49,11 @@ MAX_OUTLIERS = 3
 # Standard deviations that are added to a robot where an object next to it is not where it was
 # pushed to [m], [rad]; chosen.
 LOST_STDS = 0.03, 0.03, 0.05
+# Squared Mahalanobis distance of an outlier once the members are spread, and the greatest factor
+# by which they are; chosen: three standard deviations, and beyond it somebody has moved the
+# object.
+SPREAD_GATE = 9.0
+MAX_SPREAD = 6.0
 # Columns of a member's state that are motion and force: velocities, accelerations, mode, forces.
 _MOTION = list(range(3, 9)) + list(range(15, 18))
 
@@ -94,22 +101,33 @@ class MeasurementUpdate:
             state.coupled_until = measured.time + COUPLING_TIME
         state.pose_time = measured.time
         state.history.drop_before(measured.time)
-        expected = self._expected(measured.time, is_relative=state.is_relative)
-        update = EnsembleUpdate(expected, self._noise(measured))
-        innovation = np.array(measured.relative or measured.pose) - update.mean
-        innovation[2] = wrap_angle(innovation[2])
+        update, innovation = self._compare(measured)
         test = update.test(innovation)
         state.log_likelihood -= 0.5 * (min(test.squared_distance, OUTLIER_GATE)
                                        + test.log_determinant)
         if test.squared_distance > OUTLIER_GATE:
-            return self._count_outlier(measured, innovation)
+            return self._count_outlier(measured, innovation, test.squared_distance)
+        self._include(measured, update)
+        return True
+
+    def _compare(self, measured: ObjectPose) -> tuple[EnsembleUpdate, FloatArray]:
+        """Compare a pose with what the members expect; return the update and its innovation."""
+        expected = self._expected(measured.time, is_relative=self._state.is_relative)
+        update = EnsembleUpdate(expected, self._noise(measured))
+        innovation = np.array(measured.relative or measured.pose) - update.mean
+        innovation[2] = wrap_angle(innovation[2])
+        return update, innovation
+
+    def _include(self, measured: ObjectPose, update: EnsembleUpdate) -> None:
+        """Correct all members by an object pose whose innovation was tested."""
+        state = self._state
         state.outliers = 0
+        state.explained_time = measured.time
         is_coupled = (state.time_since_contact(measured.time) < COUPLING_TIME
                       or measured.time < state.coupled_until)
         self._correct(update, is_coupled or state.is_relative,
                       tells_of_friction=is_coupled and state.knows_contact)
         self._keep_object_stds()
-        return True
 
     def update_robot(self, update: EnsembleUpdate, innovation: FloatArray,
                      is_certain: bool) -> None:
@@ -170,6 +188,8 @@ class MeasurementUpdate:
         if tells_of_friction:
             update.apply(members.parameters)
             members.apply_parameters()
+            if state.odometry_noise.load > 0.0:
+                update.apply(state.load_errors)
         else:
             errors = members.parameters[:, :ODOMETRY_ERRORS].copy()
             update.apply(errors)
@@ -191,18 +211,42 @@ class MeasurementUpdate:
             poses[:, OBJECT_COLUMNS:] += missing * self._state.normal((members.count, POSE))
             members.set_poses(poses, OBJECT_COLUMNS)
 
-    def _count_outlier(self, measured: ObjectPose, innovation: FloatArray) -> bool:
+    def _count_outlier(self, measured: ObjectPose, innovation: FloatArray,
+                       squared_distance: float) -> bool:
         """Count a pose that nothing explains; return whether the object was moved there."""
-        self._state.outliers += 1
-        if self._state.outliers < MAX_OUTLIERS:
+        state = self._state
+        state.outliers += 1
+        if state.outliers < MAX_OUTLIERS:
             return False
-        self._accept_displacement(measured, innovation)
+        spread = math.sqrt(squared_distance / SPREAD_GATE)
+        if self._had_unseen_contact and spread <= MAX_SPREAD:
+            self._spread_members(spread)
+            update, innovation = self._compare(measured)
+            update.test(innovation)
+            state.coupled_until = measured.time + COUPLING_TIME
+            self._include(measured, update)
+        else:
+            self._accept_displacement(measured, innovation)
         return True
+
+    @property
+    def _had_unseen_contact(self) -> bool:
+        """Whether there was a contact since the last pose that the members explain."""
+        state = self._state
+        return (state.odometry_noise.load > 0.0
+                and state.last_contact > state.explained_time + COUPLING_TIME)
+
+    def _spread_members(self, factor: float) -> None:
+        """Spread the poses of all members about their mean, now and before."""
+        members, history = self._state.members, self._state.history.poses
+        history += (factor - 1.0) * (history - history.mean(axis=1, keepdims=True))
+        poses = members.poses
+        members.set_poses(poses + (factor - 1.0) * (poses - poses.mean(axis=0)))
 
     def _accept_displacement(self, measured: ObjectPose, displacement: FloatArray) -> None:
         """Accept that the object is elsewhere: somebody has moved it, or the robot is lost."""
         state = self._state
-        was_pushed = state.members.contact_ratio > 0.0
+        was_pushed = state.members.contact_ratio > 0.0 or self._had_unseen_contact
         if state.bias.explains(displacement):
             # Perhaps it is where it was, and the robot sees another mark.
             state.bias.forget()
@@ -220,4 +264,5 @@ class MeasurementUpdate:
         members.set_object_poses(poses - state.bias.errors(members.robot_poses, poses))
         members.states[:, _MOTION] = 0.0
         state.outliers = 0
+        state.explained_time = measured.time
         state.restart_history()

@@ -6,7 +6,8 @@ errors s, g, d by
 
     (dx, dy) / (1 + s),    (1 + g) dtheta - d l,
 
-plus a random walk whose variance is in proportion to l; the dynamics move the object with it.
+plus a random walk whose variance is in proportion to l; the dynamics move the object with it. The
+wheels of a robot that pushes creep besides: by an error of distances that holds in contact only.
 """
 
 import math
@@ -81,6 +82,9 @@ class Prediction:
         increments = state.rng.standard_normal((members.count, POSE))
         add_odometry(increments, self._means, members.parameters, self._odometry_walks,
                      (step.x, step.y, rotation))
+        if state.odometry_noise.load > 0.0:
+            pushing = members.in_contact
+            increments[pushing, :2] /= 1.0 + state.load_errors[pushing]
         before = None if state.pose_time is None else members.poses
         if members.move(increments, duration):
             state.last_contact = time

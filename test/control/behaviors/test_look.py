@@ -132,6 +132,22 @@ def test_a_robot_that_sees_all_around_does_not_turn_to_look():
 
 
 @pytest.mark.parametrize('drive', DRIVES)
+def test_a_robot_that_misses_the_object_comes_no_nearer_to_obstacles(drive):
+    """The object is not where it was seen: the robot may not be where it seems to be, either."""
+    cells = np.ones((120, 120), dtype=bool)
+    cells[50:70, 30:110] = False
+    corridor = OccupancyMap(0.05, Pose(-3.0, -3.0, 0.0), cells)
+    room = KinematicView(Pose(-0.8, 0.0, 0.0), OBJECT, drive=drive, **half_angle(30.0))
+    room.stand(0.5)
+    room.object_pose = None
+    room.stand(1.0)
+    start = float(corridor.clearance(np.array([room.robot_pose[:2]]))[0])
+    assert isinstance(look(room, corridor).result, Abort)
+    assert corridor.clearance(np.array(room.poses)[:, :2]).min() > start - 0.01
+    assert room.turned > 2.0 * math.pi
+
+
+@pytest.mark.parametrize('drive', DRIVES)
 @pytest.mark.parametrize('half_width', [0.3, 0.5])
 def test_a_search_keeps_clear_of_the_obstacles_of_a_map(drive, half_width):
     """In a corridor, and in a niche where nothing but turning is left."""

@@ -23,7 +23,7 @@ def stopping_place(found, heading=1.0):
     """Move box and robot along x, and return where the guard stops the box; None for nowhere."""
     x = WALL - 0.5 if heading > 0.0 else WALL - 0.21
     for _ in range(40):
-        if found.is_close(Pose(x, 0.0, 0.0), Pose(x - 0.4, 0.0, 0.0), PERIOD):
+        if found.is_close([Pose(x, 0.0, 0.0)], [Pose(x - 0.4, 0.0, 0.0)], PERIOD):
             return x
         x += heading * SPEED * PERIOD
     return None
@@ -36,6 +36,32 @@ def test_a_push_ends_before_the_wall(end, kept):
     clearance = WALL - 0.2 - (place + SPEED * REACTION_TIME)
     # Between two looks it moves on, and maps are coarse.
     assert kept - 2.5 * SPEED * PERIOD < clearance < kept + 0.03
+
+
+def test_an_object_that_may_be_elsewhere_keeps_clear_wherever_it_may_be() -> None:
+    """The nearest of its places ends the push; it ends as one that is known to be there."""
+    known, uncertain = guard(2.2), guard(2.2)
+    offset = 0.06
+    for step in range(40):
+        x = WALL - 0.5 + step * SPEED * PERIOD
+        places = [Pose(x - offset, 0.0, 0.0), Pose(x, 0.0, 0.0)]
+        robots = [Pose(place.x - 0.4, 0.0, 0.0) for place in places]
+        is_close = known.is_close(places[1:], robots[1:], PERIOD)
+        assert uncertain.is_close(places, robots, PERIOD) == is_close
+        if is_close:
+            return
+    raise AssertionError('nothing has ended the push')
+
+
+def test_losing_sight_is_no_motion() -> None:
+    """A place nearer to the wall that an object may have is not one that it has moved to."""
+    watching, x = guard(2.2), 2.4
+    for _ in range(6):
+        assert not watching.is_close([Pose(x, 0.0, 0.0)], [Pose(x - 0.4, 0.0, 0.0)], PERIOD)
+    places = [Pose(x, 0.0, 0.0), Pose(x + 0.15, 0.0, 0.0)]
+    robots = [Pose(place.x - 0.4, 0.0, 0.0) for place in places]
+    for _ in range(6):
+        assert not watching.is_close(places, robots, PERIOD)
 
 
 def test_what_moves_off_the_wall_goes_on():

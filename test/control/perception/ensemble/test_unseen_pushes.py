@@ -1,0 +1,91 @@
+"""Pushes that nobody sees: what the first poses after them tell of robot and wheels."""
+
+import math
+
+from helpers.ensemble_runs import CONTROL, NOISE, ROBOT
+from helpers.objects import box
+from push_control.perception.ensemble.push_ensemble import PushEnsemble
+from push_model.geometry import distance, Pose
+from push_model.signals import ObjectPose, Odometry, STOP
+import pytest
+
+UNSEEN = NOISE._replace(load=0.04)
+PERIOD = 0.02
+# Where the robot touches the box at the origin, and steps of odometry on [m].
+TOUCH, STEP = -0.37, 0.005
+
+
+class Pusher:
+    """A robot that pushes a box along x, unseen, with wheels that creep while it pushes."""
+
+    def __init__(self, noise, creep):
+        """Start before the contact, the box in sight."""
+        self.ensemble = PushEnsemble(box(), ROBOT, CONTROL, noise)
+        self.creep = creep
+        self.time, self.odometry = 0.0, TOUCH - 0.05
+        self.robot, self.box = self.odometry, 0.0
+        self.see()
+
+    def see(self):
+        """Let poses come for a moment."""
+        for _ in range(20):
+            self._measure(0.0)
+            self.ensemble.update(ObjectPose(self.time, Pose(self.box, 0.0, 0.0)))
+
+    def drive(self, length):
+        """Drive along x."""
+        for _ in range(round(abs(length) / STEP)):
+            self._measure(math.copysign(STEP, length))
+
+    def push(self, length):
+        """Push by a length of odometry, back off, and look."""
+        self.drive(self.box + TOUCH - self.robot + length)
+        self.drive(-0.15)
+        self.see()
+
+    def _measure(self, step):
+        self.time += PERIOD
+        self.odometry += step
+        is_pushing = step > 0.0 and self.robot >= self.box + TOUCH - 1e-9
+        self.robot += step * (1.0 - self.creep) if is_pushing else step
+        self.box = max(self.box, self.robot - TOUCH)
+        self.ensemble.predict(Odometry(self.time, Pose(self.odometry, 0.0, 0.0), STOP))
+
+    @property
+    def error(self):
+        """Distance of the robot from where it is estimated to be [m]."""
+        return distance(self.ensemble.pose, Pose(self.robot, 0.0, 0.0))
+
+
+@pytest.mark.parametrize('creep', [0.0, 0.04, 0.08])
+def test_looks_tell_how_wheels_creep_under_load(creep):
+    """And that they do not where they do not; what is driven without load is not scaled by it."""
+    pusher = Pusher(UNSEEN, creep)
+    for _ in range(3):
+        pusher.push(0.4)
+    members = pusher.ensemble.members
+    assert pusher.ensemble.load_error == pytest.approx(creep, abs=0.025)
+    assert pusher.error < 3.0 * members.position_deviation
+    assert pusher.error < 0.02
+
+
+@pytest.mark.parametrize('creep', [0.25, 0.4])
+def test_a_push_that_no_member_expects_tells_of_the_robot(creep):
+    """It has not come as far as the box; else somebody else would have moved the box back."""
+    pusher, misled = Pusher(UNSEEN, creep), Pusher(NOISE, creep)
+    for each in pusher, misled:
+        each.push(0.4)
+    missing = 0.4 * creep
+    assert misled.error > 0.7 * missing
+    assert pusher.error < 0.3 * missing
+    assert pusher.error < 3.0 * pusher.ensemble.position_deviation
+
+
+def test_an_object_that_was_carried_off_does_not_move_the_robot_with_it():
+    """No push explains where it is."""
+    pusher = Pusher(UNSEEN, 0.0)
+    pusher.push(0.3)
+    pusher.box += 1.0
+    pusher.see()
+    assert pusher.error < 0.03
+    assert distance(pusher.ensemble.object_pose, Pose(pusher.box, 0.0, 0.0)) < 0.01
