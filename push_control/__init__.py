@@ -13,15 +13,20 @@ from push_model.files.lazy_names import lazy_names
 if TYPE_CHECKING:
     from push_control.settings import ControlSettings
     from push_control.steered.controller import Controller
+    from push_control.steered.laws.steering_law import Foresight, SteeringInput, SteeringLaw
     from push_control.supervision_settings import SupervisionSettings
     from push_control.task.supervisor import Supervisor
     from push_model.observation import Observation
 
-__all__ = ['ControlSettings', 'Controller', 'Observation', 'SupervisionSettings', 'Supervisor']
+__all__ = [
+    'ControlSettings', 'Controller', 'Foresight', 'Observation', 'SteeringInput', 'SteeringLaw',
+    'SupervisionSettings', 'Supervisor',
+]
 
 __getattr__, __dir__ = lazy_names(__name__, {
     'push_model.observation': ('Observation',),
     'push_control.steered.controller': ('Controller',),
+    'push_control.steered.laws.steering_law': ('Foresight', 'SteeringInput', 'SteeringLaw'),
     'push_control.settings': ('ControlSettings',),
     'push_control.supervision_settings': ('SupervisionSettings',),
     'push_control.task.supervisor': ('Supervisor',),

@@ -4,12 +4,11 @@ import dataclasses
 import math
 from typing import get_args, Literal
 
+from push_control.law_names import check_law_name, LAWS, OWN_LAW
 from push_model.plan_request import GoalTolerances, MAX_TOLERANCE, MIN_TOLERANCE
 from push_model.quantity import check, MIN_NOISE, quantity
 from push_model.signals import ObjectPose, PoseCovariance
 
-ControlLaw = Literal['feedback', 'mpc', 'open_loop']
-LAWS: tuple[ControlLaw, ...] = get_args(ControlLaw)
 ResumeAfterStop = Literal['on_request', 'automatic']
 
 
@@ -22,8 +21,9 @@ class ControlSettings:
     value w per square root of a length has the variance ``w^2 s`` after the path length s.
     """
 
-    control_law: ControlLaw = quantity('closed form, predictive, or the plan without measurements',
-                                       choices=LAWS, default='feedback')
+    control_law: str = quantity(
+        'closed form, predictive, the plan without measurements, or a law of your own',
+        choices=LAWS, other_words=OWN_LAW, default='feedback')
 
     # When the robot moves, and when a push is over.
     start_tolerance: float = quantity('largest robot error at the start of a plan', 'm', above=0.0,
@@ -161,6 +161,7 @@ class ControlSettings:
     def __post_init__(self) -> None:
         """Validate the fields."""
         check(self)
+        check_law_name(self.control_law)
 
     @property
     def tolerances(self) -> GoalTolerances:

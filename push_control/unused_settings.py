@@ -4,6 +4,7 @@ from collections.abc import Iterator
 import dataclasses
 from typing import NamedTuple
 
+from push_control.law_names import is_own_law
 from push_control.settings import ControlSettings
 from push_model.parameters import PushedObject, RoundRobot
 from push_primitives.face_points import face_points
@@ -64,7 +65,7 @@ def unused_settings(obj: PushedObject, robot: RoundRobot, control: ControlSettin
 
 def _reasons(obj: PushedObject, robot: RoundRobot, control: ControlSettings, *,
              is_task: bool) -> Iterator[tuple[tuple[str, ...], str]]:
-    if control.control_law != 'mpc':
+    if control.control_law != 'mpc' and not is_own_law(control.control_law):
         yield PREDICTION, f'as control.control_law is {control.control_law}, not mpc'
     if control.control_law == 'open_loop':
         yield FEEDBACK, 'as control.control_law is open_loop'

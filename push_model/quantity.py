@@ -34,9 +34,9 @@ MAX_ANGLE = 6.2832
 
 def quantity(description: str, unit: str = '', low: float = -INFINITY, high: float = INFINITY, *,
              above: float | None = None, choices: tuple[str, ...] | None = None,
-             infinite: bool = False, plausible: tuple[float, float] | None = None,
-             is_dynamic: bool = True, is_basic: bool = False,
-             default: object = dataclasses.MISSING) -> Any:
+             other_words: str = '', infinite: bool = False,
+             plausible: tuple[float, float] | None = None, is_dynamic: bool = True,
+             is_basic: bool = False, default: object = dataclasses.MISSING) -> Any:
     """
     Describe one field of a parameter dataclass.
 
@@ -47,6 +47,8 @@ def quantity(description: str, unit: str = '', low: float = -INFINITY, high: flo
     :param above: strict lower bound, in place of ``low``; where it is 0, the least value of the
         unit is the lower bound.
     :param choices: allowed words, for a field of type ``str`` or a ``Literal`` of texts.
+    :param other_words: what is allowed besides the choices, which the class checks by itself;
+        empty for nothing.
     :param infinite: whether infinity is a value too.
     :param plausible: what values of files and parameters are between, but for 0 and infinity,
         where ``check`` allows more for the sake of limits.
@@ -61,8 +63,9 @@ def quantity(description: str, unit: str = '', low: float = -INFINITY, high: flo
     if above == 0.0 and unit in MIN_VALUES:
         low, above = MIN_VALUES[unit], None
     metadata = {'description': description, 'unit': unit, 'low': low, 'high': high,
-                'above': above, 'choices': choices, 'infinite': infinite, 'plausible': plausible,
-                'is_dynamic': is_dynamic, 'is_basic': is_basic}
+                'above': above, 'choices': choices, 'other_words': other_words,
+                'infinite': infinite, 'plausible': plausible, 'is_dynamic': is_dynamic,
+                'is_basic': is_basic}
     return dataclasses.field(default=default, metadata=metadata)
 
 
@@ -140,7 +143,8 @@ def expectation(kind: Any, metadata: Mapping[str, Any]) -> str:
     """
     unit = f" [{metadata['unit']}]" if metadata['unit'] else ''
     if metadata['choices']:
-        return 'one of ' + ', '.join(metadata['choices'])
+        others = (metadata['other_words'],) if metadata['other_words'] else ()
+        return 'one of ' + ', '.join((*metadata['choices'], *others))
     number = 'a number' if metadata.get('infinite') else 'a finite number'
     noun = {bool: 'true or false', str: 'text', int: 'a whole number'}.get(kind, number)
     if kind not in (bool, str, int, float):
@@ -216,7 +220,8 @@ class _Refused(Exception):
 def _choice(value: Any, kind: type, metadata: Mapping[str, Any]) -> Any:
     if not isinstance(value, kind):
         raise _Refused
-    if metadata['choices'] and value not in metadata['choices']:
+    is_closed = metadata['choices'] and not metadata['other_words']
+    if is_closed and value not in metadata['choices']:
         raise _Refused
     return value
 

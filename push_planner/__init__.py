@@ -24,13 +24,14 @@ if TYPE_CHECKING:
     from push_planner.steered.task_push import plan_steered_push
     from push_planner.steered.verification.verification import Verification, verify
     from push_planner.task_plan import TaskPlan
-    from push_planner.task_planner import plan_for_request
+    from push_planner.straight.candidates import straight_pushes, StraightPushes
+    from push_planner.task_planner import plan_for_request, PushPlanner
 
 __all__ = [
     'choose_site', 'InitialMotion', 'Plan', 'plan_for_request', 'plan_from_measurements',
     'plan_push', 'plan_steered_push', 'PlanFailure', 'PlannerSettings', 'PlanningFailed',
-    'PlanRequest', 'problem_from_placement', 'PushProblem', 'SiteChoice', 'TaskPlan',
-    'Verification', 'verify',
+    'PlanRequest', 'problem_from_placement', 'PushPlanner', 'PushProblem', 'SiteChoice',
+    'straight_pushes', 'StraightPushes', 'TaskPlan', 'Verification', 'verify',
 ]
 
 __getattr__, __dir__ = lazy_names(__name__, {
@@ -45,5 +46,6 @@ __getattr__, __dir__ = lazy_names(__name__, {
     'push_planner.steered.verification.verification': ('Verification', 'verify'),
     'push_planner.steered.task_push': ('plan_steered_push',),
     'push_planner.task_plan': ('TaskPlan',),
-    'push_planner.task_planner': ('plan_for_request',),
+    'push_planner.straight.candidates': ('straight_pushes', 'StraightPushes'),
+    'push_planner.task_planner': ('plan_for_request', 'PushPlanner'),
 })

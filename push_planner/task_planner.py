@@ -5,6 +5,8 @@ Straight pushes do a task on open floor and in maps. Where none is possible on o
 steered push leads to the goal, from the contact site from which it is there first.
 """
 
+from typing import Protocol
+
 from push_model.optional import is_casadi_installed
 from push_model.parameters import RoundRobot
 from push_model.plan_request import PlanFailure, PlanRequest
@@ -16,6 +18,20 @@ from push_planner.straight.map_search.planner import plan_push_in_map
 from push_planner.straight.map_search.remaining_pushes import RemainingPushes
 from push_planner.straight.planner import plan_straight_push
 from push_planner.task_plan import TaskPlan
+
+
+class PushPlanner(Protocol):
+    """What proposes the next push of a task: ``plan_for_request``, or a planner of one's own."""
+
+    def __call__(self, request: PlanRequest, robot: RoundRobot, settings: PlannerSettings,
+                 drive: DriveSettings, occupancy_map: OccupancyMap | None = None, *,
+                 remaining: RemainingPushes | None = None) -> TaskPlan:
+        """
+        Plan the next push; the arguments are those of ``plan_for_request``.
+
+        :raises PlanningFailed: where there is no push.
+        """
+        ...
 
 
 def plan_for_request(request: PlanRequest, robot: RoundRobot, settings: PlannerSettings,

@@ -15,6 +15,7 @@ import sys
 import time
 from typing import TYPE_CHECKING
 
+from push_control.law_names import is_own_law, law_file_name
 from push_model.optional import how_to_install
 import push_scenario
 from push_scenario.definition.catalogue import (
@@ -88,6 +89,9 @@ def _replay_all(options: argparse.Namespace) -> int:
                              'recording')
         return _play_back(scenarios[0], options.bag)
     _choose_mode(options)
+    if any(map(is_own_law, options.law or ())):
+        # As Python does for a script: a law of one's own is in a module of this folder.
+        sys.path.insert(0, '')
     # Imported before there is something that an interrupt would have to end.
     from push_scenario.evaluation.result_files import to_json, to_junit
     importlib.import_module('push_view.belief')
@@ -197,7 +201,7 @@ def _run(scenario: 'Scenario', law: str, options: argparse.Namespace,
     from push_scenario.evaluation.metrics import bounds_missed, verdict
     line.end('; '.join([verdict(result), *bounds_missed(result)]))
     if result.tape is not None:
-        result.tape.save(options.out / f'{scenario.name}_{law}.csv')
+        result.tape.save(options.out / f'{scenario.name}_{law_file_name(law)}.csv')
     return result
 
 

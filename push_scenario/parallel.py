@@ -12,6 +12,7 @@ import dataclasses
 import enum
 import functools
 import hashlib
+import importlib
 import json
 import multiprocessing
 import os
@@ -24,6 +25,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from push_control.law_names import is_own_law, law_reference
 from push_model.files.whole_file import write_whole
 from push_scenario.definition.scenario import Scenario
 from push_scenario.evaluation.result_row import result_row, Row
@@ -59,8 +61,11 @@ def simulate_many(scenarios: Iterable[Scenario], *, folder: str | Path | None = 
     :param folder: see ``run_many``, as are the other parameters.
     :return: a row for each, as ``simulated`` makes it.
     """
+    scenarios = list(scenarios)
+    laws = {scenario.control.control_law for scenario in scenarios}
+    modules = sorted(law_reference(law).partition(':')[0] for law in laws if is_own_law(law))
     return run_many(simulated, scenarios, folder=folder, executor=executor, workers=workers,
-                    progress=progress)
+                    modules=modules, progress=progress)
 
 
 def simulated(scenario: Scenario) -> Row:
@@ -75,7 +80,8 @@ def simulated(scenario: Scenario) -> Row:
 
 def run_many(function: JobFunction, jobs: Iterable[Job], *, folder: str | Path | None = None,
              executor: futures.Executor | None = None, workers: int | None = None,
-             block: int | None = None, progress: Progress | None = None) -> list[Row]:
+             block: int | None = None, modules: Sequence[str] = (),
+             progress: Progress | None = None) -> list[Row]:
     """
     Run a function on every job; jobs whose rows are in the folder are not run again.
 
@@ -96,6 +102,7 @@ def run_many(function: JobFunction, jobs: Iterable[Job], *, folder: str | Path |
     :param workers: number of processes, or of the executor's workers; None for one per core, 1
         for no others than this one.
     :param block: jobs that a worker gets at a time; 1 suits jobs of many seconds, None short ones.
+    :param modules: names of further modules whose source code the rows depend on.
     :param progress: called at the start and after each block.
     :return: the rows, in the order of the jobs.
     :raises ValueError: for a function or job that cannot be told from others, and for a file in
@@ -106,7 +113,7 @@ def run_many(function: JobFunction, jobs: Iterable[Job], *, folder: str | Path |
             raise ValueError(f'{name}: got {value!r}, expected at least 1, or None')
     workers = workers or available_cores()
     jobs = list(jobs)
-    digests = job_digests(function, jobs)
+    digests = job_digests(function, jobs, modules)
     different = dict(zip(digests, jobs))
     stored = {} if folder is None else _read_rows(Path(folder))
     rows = {digest: stored[digest] for digest in different if digest in stored}
@@ -157,12 +164,14 @@ def available_cores() -> int:
     return os.cpu_count() or 1
 
 
-def job_digests(function: JobFunction, jobs: Sequence[Job]) -> list[str]:
+def job_digests(function: JobFunction, jobs: Sequence[Job],
+                modules: Sequence[str] = ()) -> list[str]:
     """
     Compute the identity of each row: that of function, source code and job.
 
     :param function: as ``run_many`` takes it.
     :param jobs: likewise.
+    :param modules: likewise.
     :raises ValueError: naming what cannot be told from others.
     """
     try:
@@ -171,6 +180,9 @@ def job_digests(function: JobFunction, jobs: Sequence[Job]) -> list[str]:
         raise ValueError(f'function: got {function!r}, expected a function defined in a module, a '
                          'partial of one, or an instance of a dataclass') from error
     prefix = hashlib.sha256(f'{name}\n{source_digest(function)}\n'.encode())
+    for module in modules:
+        importlib.import_module(module)
+        prefix.update(_sources_digest(module).encode())
     return [_job_digest(prefix.copy(), index, job) for index, job in enumerate(jobs)]
 
 

@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from push_control.settings import LAWS
+from push_control.law_names import LAWS
 from push_scenario.definition.catalogue import scenario_names
 
 DEMO = 'task_demo'
@@ -23,8 +23,11 @@ def make_parser() -> argparse.ArgumentParser:
                         help='list the scenarios of the package and exit')
     parser.add_argument('--demo', action='store_true',
                         help=f'replay {DEMO}; page and plot are demo.html and demo.png')
-    parser.add_argument('--law', action='append', choices=LAWS,
-                        help="control law, in place of the scenario's; repeat it to compare laws")
+    law = parser.add_argument(
+        '--law', action='append', metavar='NAME',
+        help=f"control law, in place of the scenario's: {', '.join(LAWS)}, or module:Class of "
+        'your own; repeat it to compare laws')
+    setattr(law, 'completer', lambda **_: LAWS)
     parser.add_argument('--sensors', metavar='NAME',
                         help="sensors of the simulator, in place of the scenario's: path of a "
                         'file, or name of one of config/sensors; a task expects their poses')

@@ -5,6 +5,7 @@ import dataclasses
 import io
 from os import PathLike
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,6 +42,11 @@ class Tape:
         object.__setattr__(self, 'columns', columns)
         object.__setattr__(self, 'rows', rows)
 
+    def __repr__(self) -> str:
+        """Say in one line what it holds."""
+        return (f'<Tape of {len(self)} rows and {len(self.columns)} columns, '
+                f'{self.rows[0, 0]:g} to {self.rows[-1, 0]:g} s>')
+
     def __len__(self) -> int:
         """Return the number of rows."""
         return len(self.rows)
@@ -65,6 +71,20 @@ class Tape:
         :return: shape (n, 3) [m, m, rad].
         """
         return np.column_stack([self[f'{body}_{name}'] for name in ('x', 'y', 'theta')])
+
+    def to_pandas(self) -> Any:
+        """
+        Return the tape as a ``pandas.DataFrame``, with the names of the columns.
+
+        :raises RuntimeError: where pandas is not installed.
+        """
+        # Imported here: nothing else needs pandas.
+        try:
+            from pandas import DataFrame
+        except ImportError as error:
+            raise RuntimeError('to_pandas needs pandas (pip install pandas): '
+                               f'{error}') from error
+        return DataFrame(self.rows, columns=list(self.columns))
 
     def to_bytes(self) -> bytes:
         """Return the tape as CSV: equal runs give equal bytes, and no digit is lost."""

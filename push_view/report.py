@@ -4,7 +4,8 @@ from collections.abc import Sequence
 from os import PathLike
 from pathlib import Path
 
-from push_scenario.evaluation.report import report_table, TITLES
+from push_control.law_names import law_title
+from push_scenario.evaluation.report import report_table
 from push_scenario.simulation.result import RunResult
 from push_view.belief import BeliefRecorder
 from push_view.page_file import page_html
@@ -21,7 +22,7 @@ def write_report(results: Sequence[RunResult], path: str | PathLike[str],
     :param beliefs: what the robot believed in each run, where that was recorded.
     """
     recorded = [*beliefs, *[None] * (len(results) - len(beliefs))]
-    runs = [{'name': TITLES[result.control_law], 'messages': recording(result, belief)}
+    runs = [{'name': law_title(result.control_law), 'messages': recording(result, belief)}
             for result, belief in zip(results, recorded)]
     document = {'runs': runs, 'table': report_table(results)}
     title = results[0].scenario.name.replace('_', ' ')

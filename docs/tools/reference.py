@@ -192,7 +192,7 @@ def _profile_text(profile: QoSProfile) -> str:
 def _range_text(spec: ParameterSpec) -> str:
     """Say which values are allowed, with their unit."""
     if spec.metadata['choices']:
-        return ', '.join(spec.metadata['choices'])
+        return ', '.join(filter(None, (*spec.metadata['choices'], spec.metadata['other_words'])))
     low, high, above = (spec.metadata[name] for name in ('low', 'high', 'above'))
     if math.isfinite(low) and math.isfinite(high):
         text = f'{low:g}…{high:g}'

@@ -9,6 +9,7 @@ from push_control.settings import ControlSettings
 from push_control.steered.closed_loop import ClosedLoopPush
 from push_control.steered.execution import plain_status, PushExecution
 from push_control.steered.laws.closed_form import ClosedFormLaw
+from push_control.steered.laws.own_law import OwnLaw
 from push_control.steered.laws.steering_law import SteeringLaw
 from push_control.steered.open_loop import OpenLoopPush
 from push_control.steered.start import start_fault
@@ -270,6 +271,7 @@ def make_steering_law(robot: RoundRobot, settings: ControlSettings) -> SteeringL
     Make the law that the settings name.
 
     :return: ``SteeringLaw``; None for open loop.
+    :raises ValueError: where it needs what is not installed, or is no law.
     """
     if settings.control_law == 'mpc':
         if not is_casadi_installed():
@@ -280,4 +282,6 @@ def make_steering_law(robot: RoundRobot, settings: ControlSettings) -> SteeringL
         return PredictiveLaw(robot, settings)
     if settings.control_law == 'feedback':
         return ClosedFormLaw(settings)
-    return None
+    if settings.control_law == 'open_loop':
+        return None
+    return OwnLaw(robot, settings)

@@ -6,6 +6,7 @@ from pathlib import Path
 import shutil
 import time
 
+from push_control.law_names import law_file_name
 from push_ros.node_settings import Frames
 from push_ros.topics import CONTROLLER, PLANNER, SIM
 from push_scenario.dds.parameter_files import write_parameter_files
@@ -17,7 +18,7 @@ from push_scenario.dds.result import collect_result
 from push_scenario.dds.run_monitor import PROGRESS_TOPIC, READ_TOPICS, RunMonitor
 from push_scenario.definition.scenario import Scenario
 from push_scenario.definition.task import LaterGoal, Task
-from push_scenario.simulation.loop import control_settings, ProgressCallback, SETTLE_TIME
+from push_scenario.simulation.loop import ProgressCallback, SETTLE_TIME
 from push_scenario.simulation.result import Outcome, RunResult
 from push_scenario.simulation.start import place_robot
 
@@ -41,7 +42,7 @@ def run_over_dds(scenario: Scenario, control_law: str | None = None, out_dir: st
     No other ROS node hears the run, or is heard in it. Afterwards this process can take part in
     no other ROS network.
 
-    :param control_law: ``feedback``, ``mpc`` or ``open_loop``; None for that of the scenario.
+    :param control_law: as of ``Scenario.with_law``; None for that of the scenario.
     :param out_dir: where the recording, and the nodes' parameters and output go.
     :param real_time: keep to the wall clock instead of going in lockstep.
     :param record: write a rosbag2 MCAP recording.
@@ -50,14 +51,16 @@ def run_over_dds(scenario: Scenario, control_law: str | None = None, out_dir: st
     :param on_start: called with the ``NodeProcesses`` when time starts to run.
     :raises RuntimeError: where a node dies or hangs, naming it; no process is left in any case.
     """
+    if control_law is not None:
+        scenario = scenario.with_law(control_law)
     scenario = place_robot(scenario)
-    settings = control_settings(scenario, control_law)
-    law = settings.control_law
-    folder = Path(out_dir) / f'{scenario.name}_{law}_nodes'
+    law = scenario.control.control_law
+    run_name = f'{scenario.name}_{law_file_name(law)}'
+    folder = Path(out_dir) / f'{run_name}_nodes'
     tape_path = _new_tape(folder)
-    bag = Path(out_dir) / f'{scenario.name}_{law}_bag' if record else None
-    files = write_parameter_files(folder, scenario, settings, tape_path, real_time=real_time,
-                                  stamped=stamped)
+    bag = Path(out_dir) / f'{run_name}_bag' if record else None
+    files = write_parameter_files(folder, scenario, scenario.control, tape_path,
+                                  real_time=real_time, stamped=stamped)
     monitor = RunMonitor(scenario, progress)
     topics = READ_TOPICS if progress is None else (*READ_TOPICS, PROGRESS_TOPIC)
     with contextlib.ExitStack() as stack:

@@ -2,7 +2,9 @@
 
 import dataclasses
 import math
+from typing import TYPE_CHECKING
 
+from push_control.law_names import law_name
 from push_control.settings import ControlSettings
 from push_model.contact import contact_point, find_contact, normal_range
 from push_model.geometry import Pose
@@ -13,6 +15,9 @@ from push_scenario.definition.placement import Placement
 from push_scenario.definition.task import Task
 from push_sim_node.sensors import SensorSettings
 from push_sim_node.settings import SimulationSettings
+
+if TYPE_CHECKING:  # Scenarios name their laws alone.
+    from push_control.steered.laws.steering_law import SteeringLaw
 
 EXPECTATIONS = ('reached', 'refused', 'too_heavy')
 # Rounding of poses in scenario files: less is no overlap, and no normal out of range [m], [rad].
@@ -143,6 +148,27 @@ class Scenario:
         """Goal ``Pose`` of the object at the end, after all later goals."""
         later = self.task.goals if self.task is not None else ()
         return (later[-1].goal if later else self.goal).pose
+
+    def with_law(self, law: 'str | type[SteeringLaw]') -> 'Scenario':
+        """
+        Steer by another law; it steers steered pushes alone.
+
+        :param law: ``feedback``, ``mpc`` or ``open_loop``; or one of your own: a subclass of
+            ``SteeringLaw``, its name ``module:Class``, or its entry point.
+        :raises ValueError: where there is no such law.
+        """
+        name = law if isinstance(law, str) else law_name(law)
+        return dataclasses.replace(
+            self, control=dataclasses.replace(self.control, control_law=name))
+
+    def with_seed(self, seed: int) -> 'Scenario':
+        """
+        Draw other random errors of the sensors and the base.
+
+        :param seed: at least 0.
+        """
+        return dataclasses.replace(
+            self, simulation=dataclasses.replace(self.simulation, seed=seed))
 
     @property
     def robot_start(self) -> Pose:

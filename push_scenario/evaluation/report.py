@@ -5,6 +5,7 @@ import math
 import textwrap
 from typing import Any, NamedTuple
 
+from push_control.law_names import law_title
 from push_scenario.definition.scenario import Scenario
 from push_scenario.evaluation.headline import headline
 from push_scenario.evaluation.metrics import (
@@ -12,7 +13,6 @@ from push_scenario.evaluation.metrics import (
 )
 from push_scenario.simulation.result import Outcome, RunResult, WallClockTiming
 
-TITLES = {'open_loop': 'open loop', 'feedback': 'feedback', 'mpc': 'mpc'}
 NOT_APPLICABLE = '-'
 # Columns of a terminal that nobody has widened.
 COLUMNS = 80
@@ -119,7 +119,7 @@ def format_report(results: Sequence[RunResult], *, is_colored: bool = False) -> 
 
 def _headlines(results: Sequence[RunResult], is_colored: bool) -> Iterator[str]:
     for result in results:
-        title = f'{TITLES[result.control_law]}: ' if len(results) > 1 else ''
+        title = f'{law_title(result.control_law)}: ' if len(results) > 1 else ''
         text = textwrap.fill(title + headline(result), COLUMNS, subsequent_indent='  ',
                              break_long_words=False, break_on_hyphens=False)
         color = GREEN if is_as_expected(result) else RED
@@ -135,7 +135,7 @@ def report_table(results: Sequence[RunResult]) -> list[list[str]]:
     """
     scenario = results[0].scenario
     metrics = [measure(result) for result in results]
-    lines = [['', ''] + [TITLES[result.control_law] for result in results] + ['bound']]
+    lines = [['', ''] + [law_title(result.control_law) for result in results] + ['bound']]
     lines += _table_rows(ROWS, scenario, metrics)
     timings = [result.timing for result in results]
     if any(timings):
@@ -157,7 +157,7 @@ def _table_rows(rows: Sequence[Row], scenario: Scenario,
 
 def report_notes(result: RunResult) -> Iterator[str]:
     """Yield changes of state for a reason, and why the run ended as it did or what it missed."""
-    title = TITLES[result.control_law]
+    title = law_title(result.control_law)
     for change in result.history[1:]:
         if change.reason and change.reason != result.reason:
             yield f'{title}, {change.time:.1f} s, {change.state.value}: {change.reason}'

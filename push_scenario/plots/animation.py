@@ -10,9 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 import numpy as np
+from push_control.law_names import law_title
 from push_control.task.status import TaskState
 from push_scenario.evaluation.metrics import bounds_missed
-from push_scenario.evaluation.report import TITLES
 from push_scenario.plots.drawing import (
     draw_goals, draw_map, draw_object, draw_robot, front, INK, NO_PUSH, outline, PLAN_STYLE,
     ROBOT_PATH_STYLE, segments_of, set_view, StateRows, tape_of, WARNING,
@@ -123,13 +123,13 @@ class _Panel:
             self._axes.set_title(_shortened(segment.reason), fontsize=11, color=WARNING)
             return
         if segment.state is TaskState.DONE and self._is_missed:
-            self._axes.set_title(f'{TITLES[self._result.control_law]}: missed the goal',
+            self._axes.set_title(f'{law_title(self._result.control_law)}: missed the goal',
                                  fontsize=11, color=WARNING)
             return
         activity = ACTIVITIES[segment.state]
         if segment.push is not None and self._result.scenario.task is not None:
             activity = f'push {segment.push + 1}'
-        self._axes.set_title(f'{TITLES[self._result.control_law]}: {activity}', fontsize=11,
+        self._axes.set_title(f'{law_title(self._result.control_law)}: {activity}', fontsize=11,
                              color=INK if segment.color == NO_PUSH else segment.color)
 
     def _place_bodies(self, row: int, color: str) -> None:

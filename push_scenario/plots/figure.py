@@ -18,12 +18,12 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 import numpy as np
 from numpy.typing import NDArray
+from push_control.law_names import law_title
 from push_model.friction import friction_center
 from push_model.geometry import wrap_angles
 from push_navigation.occupancy_map import OccupancyMap
 from push_scenario.definition.scenario import Scenario
 from push_scenario.evaluation.metrics import bounds_missed, force_angle, verdict
-from push_scenario.evaluation.report import TITLES
 from push_scenario.plots.drawing import (
     DASHED_GOAL, draw_displacements, draw_goals, draw_map, draw_object, draw_push_number,
     draw_robot, GOAL, goal_poses, INK, outline, PLAN_STYLE, PUSH_COLORS, ROBOT_PATH_STYLE,
@@ -164,7 +164,7 @@ def _scene(axes: Axes, result: RunResult) -> None:
     axes.set_ylabel('y [m]')
     bounds = scenario.bounds
     axes.set_title(
-        f'{scenario.name.replace("_", " ")}, {TITLES[result.control_law]}\n'
+        f'{scenario.name.replace("_", " ")}, {law_title(result.control_law)}\n'
         f'{verdict(result)} after {result.duration:.1f} s, '
         f'{_millimetres(result.position_error)} and '
         f'{abs(math.degrees(result.heading_error)):.1f}° from the goal (bounds '

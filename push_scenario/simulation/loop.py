@@ -7,22 +7,22 @@ goes on until everything is at rest.
 """
 
 from collections.abc import Callable
-import dataclasses
 import math
 from typing import NamedTuple
 
-from push_control.settings import ControlSettings
+from push_control.law_names import is_own_law
+from push_control.steered.laws.own_law import import_law
+from push_control.steered.laws.steering_law import SteeringLaw
 from push_control.task.supervisor import Supervisor
 from push_model.geometry import distance
 from push_model.observation import Observation
 from push_model.signals import ObjectPose, Odometry
 from push_planner.problem import PlanningFailed
-from push_planner.task_planner import plan_for_request
+from push_planner.task_planner import plan_for_request, PushPlanner
 from push_safety.layer import SafetyLayer
 from push_scenario.definition.scenario import Scenario
 from push_scenario.simulation.result import Outcome, RunResult
-from push_scenario.simulation.robot_control import (
-    Ending, make_robot_control, PlanFunction, RobotControl)
+from push_scenario.simulation.robot_control import Ending, make_robot_control, RobotControl
 from push_scenario.simulation.start import place_robot
 from push_sim_node.plant import Plant
 from push_sim_node.simulation import Simulation
@@ -56,25 +56,32 @@ ProgressCallback = Callable[[Progress], None]
 Intervention = Callable[[Simulation, Supervisor], None]
 
 
-def simulate(scenario: Scenario, control_law: str | None = None, *,
-             progress: ProgressCallback | None = None, intervene: Intervention | None = None,
-             planning_time: float | None = None, plan_push: PlanFunction = plan_for_request,
+def simulate(scenario: Scenario, law: str | type[SteeringLaw] | None = None, *,
+             seed: int | None = None, progress: ProgressCallback | None = None,
+             intervene: Intervention | None = None, planning_time: float | None = None,
+             plan_push: PushPlanner = plan_for_request,
              plant_type: type[Plant] = Plant) -> RunResult:
     """
     Simulate a scenario: one push, or as many as its task takes.
 
-    :param control_law: ``feedback``, ``mpc`` or ``open_loop``; None for that of the scenario.
+    :param law: as of ``Scenario.with_law``; None for that of the scenario.
+    :param seed: as of ``Scenario.with_seed``; None for that of the scenario.
     :param progress: called with a ``Progress`` at every measurement.
     :param intervene: called before every measurement with the ``Simulation`` and the
         ``Supervisor``, to disturb the one or to redirect the other.
     :param planning_time: in a task, simulated time from a plan request to its answer [s]; None for
         what that usually takes. A single push is planned before time starts to run.
-    :param plan_push: answers the plan requests of a task.
+    :param plan_push: the ``PushPlanner`` that answers the plan requests of a task.
     :param plant_type: as of ``Simulation``.
-    :raises ValueError: where there is no such law, or no site for the robot to start from.
+    :raises ValueError: where there is no such law, a single push has a planner of one's own, or
+        there is no site for the robot to start from.
     """
-    scenario = place_robot(dataclasses.replace(
-        scenario, control=control_settings(scenario, control_law)))
+    if law is not None:
+        scenario = scenario.with_law(law)
+    if seed is not None:
+        scenario = scenario.with_seed(seed)
+    _check_own_parts(scenario, plan_push)
+    scenario = place_robot(scenario)
     simulation = make_simulation(scenario, plant_type)
     if progress is not None:
         progress(Progress('planning', 0.0,
@@ -95,6 +102,15 @@ def simulate(scenario: Scenario, control_law: str | None = None, *,
                      simulation.tape, duration, codes=ending.codes, **record._asdict())
 
 
+def _check_own_parts(scenario: Scenario, plan_push: PushPlanner) -> None:
+    """Check law and planner now: a task may need either late, or never."""
+    if is_own_law(scenario.control.control_law):
+        import_law(scenario.control.control_law)
+    if scenario.task is None and plan_push is not plan_for_request:
+        raise ValueError(f'plan_push: got {plan_push!r} for {scenario.name}, a single push, '
+                         'expected a scenario with a task')
+
+
 def _planning_time(scenario: Scenario, planning_time: float | None) -> float:
     if planning_time is not None:
         return planning_time
@@ -108,18 +124,6 @@ def make_safety_layer(scenario: Scenario) -> SafetyLayer:
     return SafetyLayer(scenario.robot, scenario.object, is_odometry_absolute=is_absolute,
                        heading_count=scenario.control.heading_count,
                        standstill_limit=scenario.control.standstill_limit)
-
-
-def control_settings(scenario: Scenario, control_law: str | None = None) -> ControlSettings:
-    """
-    Look up the controller's settings, under another law if one is named.
-
-    :param control_law: ``feedback``, ``mpc`` or ``open_loop``; None for that of the scenario.
-    :raises ValueError: where there is no such law.
-    """
-    if control_law is None:
-        return scenario.control
-    return dataclasses.replace(scenario.control, control_law=control_law)
 
 
 def make_simulation(scenario: Scenario, plant_type: type[Plant] = Plant) -> Simulation:

@@ -2,10 +2,12 @@
 
 import dataclasses
 import enum
+import math
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from push_control.law_names import law_title
 from push_control.task.status import StateChange, SupervisorStatus, TaskState
 from push_model.events import Codes
 from push_model.geometry import distance, wrap_angle
@@ -90,6 +92,15 @@ class RunResult:
         if self.plan is None and self.scenario.task is None and self.pushes:
             raise ValueError(f'RunResult.plan: got None, expected the plan of a single push for '
                              f'the outcome {self.outcome.value!r}')
+
+    def __repr__(self) -> str:
+        """Say in one line how it ended."""
+        ending = f'{self.scenario.name}, {law_title(self.control_law)}: {self.outcome.value}'
+        if self.tape is None:
+            return f'<RunResult {ending}: {self.reason}>'
+        return (f'<RunResult {ending} after {self.duration:.2f} s, pushes: {self.pushes}, '
+                f'{1e3 * self.position_error:.1f} mm and {math.degrees(self.heading_error):+.2f} '
+                'deg from the goal>')
 
     @property
     def pushes(self) -> int:

@@ -6,9 +6,8 @@ every push. The simulation loop treats both alike.
 """
 
 import abc
-from collections.abc import Callable
 import dataclasses
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from push_control.supervision_settings import SupervisionSettings
 from push_control.task.single_push import SinglePushBehaviors
@@ -25,15 +24,13 @@ from push_navigation.settings import DriveSettings
 from push_planner.problem import check_solver, PlanningFailed
 from push_planner.settings import PlannerSettings
 from push_planner.task_plan import TaskPlan
-from push_planner.task_planner import plan_for_request
+from push_planner.task_planner import plan_for_request, PushPlanner
 from push_safety.status import SafetyReport
 from push_scenario.definition.scenario import Scenario
 from push_scenario.definition.task import Task
 from push_scenario.simulation.history import single_push_history, StateHistory
 from push_scenario.simulation.result import Outcome
 
-# Answers a plan request of a task: arguments and result as of ``plan_for_request``.
-PlanFunction = Callable[..., TaskPlan]
 ENDINGS = {TaskState.DONE: Outcome.DONE, TaskState.FAILED: Outcome.FAILED}
 
 
@@ -206,7 +203,7 @@ class TaskControl(RobotControl):
     """A supervisor whose plan requests are answered after a fixed planning time."""
 
     def __init__(self, scenario: Scenario, task: Task, planning_time: float,
-                 plan_push: PlanFunction = plan_for_request) -> None:
+                 plan_push: PushPlanner = plan_for_request) -> None:
         """
         Set map and goal of the task.
 
@@ -286,18 +283,21 @@ class TaskControl(RobotControl):
         if request is None or time < self._answer_due:
             return
         try:
-            plan = self._plan_push(
+            plan: Any = self._plan_push(
                 request, self._scenario.robot, self._scenario.planner, self._task.drive,
                 self._occupancy_map, remaining=self._plans[-1].remaining if self._plans else None)
         except PlanningFailed as failure:
             self.supervisor.on_planning_failed(failure.code, failure.reason)
             return
+        if not isinstance(plan, TaskPlan):
+            raise ValueError(f'plan_push: got {plan!r}, expected a TaskPlan, or PlanningFailed to '
+                             'be raised')
         self._plans.append(plan)
         self.supervisor.set_plan(plan.trajectory)
 
 
 def make_robot_control(scenario: Scenario, observation: Observation, planning_time: float,
-                       plan_push: PlanFunction = plan_for_request) -> RobotControl:
+                       plan_push: PushPlanner = plan_for_request) -> RobotControl:
     """
     Make what runs on the robot of a scenario.
 
