@@ -1,7 +1,7 @@
 """
 Steer a push by a law of your own: aim at a point ahead of the object on its path.
 
-``replay friction_interval --law my_module:LineOfSight`` takes the same class over DDS.
+``push replay friction_interval --law my_module:VectorField`` takes the same class over DDS.
 """
 
 import math
@@ -11,8 +11,8 @@ from push_model import RoundRobot
 from push_scenario import format_report, load_scenario, simulate
 
 
-class LineOfSight(SteeringLaw):
-    """Line-of-sight guidance: turns towards the path, the steeper the further away it is."""
+class VectorField(SteeringLaw):
+    """Vector field guidance: turns towards the path, the steeper the further away it is."""
 
     lookahead = 0.4  # [m]
 
@@ -32,7 +32,7 @@ class LineOfSight(SteeringLaw):
 def main() -> None:
     """Compare it with the law of the package."""
     scenario = load_scenario('friction_interval')
-    results = [simulate(scenario, law) for law in (LineOfSight, 'feedback')]
+    results = [simulate(scenario, law) for law in (VectorField, 'feedback')]
     print(format_report(results))
 
 

@@ -20,7 +20,7 @@ def draw(count: int) -> Iterator[Scenario]:
 
 
 def main() -> None:
-    """Count the pushes within the scenario's bounds; a second call reuses the rows of the first."""
+    """Count the pushes within bounds; a second call reuses the rows of the first."""
     rows = simulate_many(draw(RUNS), folder='out/monte_carlo')
     successes = sum(row['is_as_expected'] for row in rows)
     interval = binomtest(successes, RUNS).proportion_ci()

@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from push_planner.steered.site_selection import choose_site, SiteChoice
     from push_planner.steered.task_push import plan_steered_push
     from push_planner.steered.verification.verification import Verification, verify
-    from push_planner.task_plan import TaskPlan
     from push_planner.straight.candidates import straight_pushes, StraightPushes
+    from push_planner.task_plan import TaskPlan
     from push_planner.task_planner import plan_for_request, PushPlanner
 
 __all__ = [

@@ -1,9 +1,8 @@
 """
 Straight pushes to choose from: the seam for a planner of one's own.
 
-A task asks a ``PushPlanner`` for its next push. One that chooses among straight pushes needs to know
-which there are, what they do to the object, and to lay out the chosen one; the rest of the task
-stays as it is.
+A task asks a ``PushPlanner`` for its next push. One that chooses among straight pushes has to know
+which there are and what they do to the object, and to lay out the one it has chosen.
 """
 
 import dataclasses
