@@ -66,18 +66,28 @@ def manifest_keys(*tags):
 
 
 def test_what_is_installed_by_pip_is_pinned():
-    """Requirements and every extra are asked for in requirements.in, and pinned."""
-    asked = {distribution(line): line for line in requested('requirements.in')}
+    """Requirements and every extra are asked for, and pinned."""
+    asked = {distribution(line): line for name in ('requirements.in', 'requirements-test.in')
+             for line in requested(name) if not line.startswith('-r')}
     needed = [*setup_argument('install_requires'),
               *(item for extra in setup_argument('extras_require').values() for item in extra)]
     build = {distribution(line) for line in requested('requirements-build.txt')}
     assert {distribution(item) for item in needed} <= asked.keys() | build
     assert all(asked.get(distribution(item), item) == item for item in needed)
-    assert asked.keys() <= {distribution(line) for line in requested('requirements.txt')}
+    assert asked.keys() <= {distribution(line) for line in requested('requirements-test.txt')}
 
 
-@pytest.mark.parametrize('name', ['requirements.txt', 'requirements-build.txt',
-                                  'requirements-lint.txt'])
+def test_the_demo_gets_what_the_tests_get_and_no_solver():
+    """Its pins are some of theirs; what only steered pushes and tests need is not among them."""
+    demo, tests = (dict(line.partition(' ;')[0].split('==') for line in requested(name))
+                   for name in ('requirements.txt', 'requirements-test.txt'))
+    assert {distribution(line) for line in requested('requirements.in')} <= demo.keys()
+    assert demo.items() <= tests.items()
+    assert not demo.keys() & {'casadi', 'mujoco', 'pytest', 'selenium', 'distributed'}
+
+
+@pytest.mark.parametrize('name', ['requirements.txt', 'requirements-test.txt',
+                                  'requirements-build.txt', 'requirements-lint.txt'])
 def test_every_requirement_is_pinned(name):
     """Each line names one version."""
     lines = requested(name)
