@@ -19,9 +19,9 @@ from push_model.signals import ObjectPose, Odometry
 from push_navigation.map_clearance import PositionUncertainty
 from push_safety.odometry_check import integrated_step
 
-# Relative error of distances of a robot that pushes what it does not see; chosen: wheels creep by
-# up to 8 % under the force of a push.
-LOAD_STD = 0.04
+# Creep of the wheels of a robot that pushes what it does not see [1/N]; chosen: 4 % of the way at
+# 15 N, as wheels creep by up to twice that.
+CREEP_STD = 0.04 / 15.0
 # Standard deviations of the scale of odometry beyond which an estimate of it is no chance; chosen.
 UNLIKELY_SIGMAS = 4.0
 
@@ -194,6 +194,6 @@ def _odometry_noise(supervision: SupervisionSettings) -> OdometryNoise:
     if supervision.odometry_reference == 'absolute':
         return OdometryNoise(0.0, 0.0, supervision.odometry_walk,
                              supervision.odometry_heading_walk)
-    load = LOAD_STD if View.from_settings(supervision).is_limited else 0.0
+    creep = CREEP_STD if View.from_settings(supervision).is_limited else 0.0
     return OdometryNoise(supervision.odometry_scale, supervision.odometry_drift,
-                         supervision.odometry_walk, supervision.odometry_heading_walk, load)
+                         supervision.odometry_walk, supervision.odometry_heading_walk, creep)

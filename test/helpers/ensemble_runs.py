@@ -12,6 +12,7 @@ from push_control.settings import ControlSettings
 from push_model.geometry import Pose, wrap_angle
 from push_model.parameters import RoundRobot
 from push_model.signals import Odometry, STOP, Twist
+from push_sim_node.drive_imperfections import DriveImperfections
 from push_sim_node.sensors import SensorSettings
 from push_sim_node.simulation import Simulation, SimulationSettings
 
@@ -76,16 +77,18 @@ def drive(simulation, waypoints):
 
 
 def run(waypoints=ONE_PUSH, true=None, believed=None, sensors=SensorSettings(), noise=NOISE,
-        seed=1, start=START, ensemble_seed=0):
+        seed=1, start=START, ensemble_seed=0, imperfections=DriveImperfections(),
+        follow=ContactHypotheses):
     """
     Drive a robot along waypoints by its true pose, and let contact hypotheses watch.
 
+    :param imperfections: of the robot's drive.
+    :param follow: makes the filter from a ``PushEnsemble``.
     :return: ``Outcome``.
     """
-    simulation = Simulation(true or box(), ROBOT, HOME, start, SimulationSettings(seed=seed),
-                            sensors)
-    ensemble = ContactHypotheses(
-        PushEnsemble(believed or box(), ROBOT, CONTROL, noise, ensemble_seed))
+    settings = SimulationSettings(seed=seed, drive=imperfections)
+    simulation = Simulation(true or box(), ROBOT, HOME, start, settings, sensors)
+    ensemble = follow(PushEnsemble(believed or box(), ROBOT, CONTROL, noise, ensemble_seed))
     odometry = None
     for measured in drive(simulation, waypoints):
         if isinstance(measured, Odometry):

@@ -1,28 +1,37 @@
 """
-Two hypotheses of a contact: about as rough as stated, or slippery.
+Hypotheses of a contact: as stated, with little friction, or pushed by wheels that creep.
 
-At first contact the ensemble is forked. The fork has a low contact friction; both follow the same
-measurements, and the likelihood of the object poses decides which one is kept (``slip_detector``).
+At first contact the ensemble is forked. One fork has a low contact friction (``slip_detector``),
+one has wheels that creep (``wheel_creep``). All follow the same measurements, and the likelihood
+of the object poses decides which one is kept (``hypothesis_test``). Wheels are said to creep only
+where nothing else explains the poses as well.
 """
 
-from typing import Sequence
+from typing import NamedTuple, Sequence
 
 from push_control.perception.ensemble.ensemble_reading import EnsembleReading
 from push_control.perception.ensemble.ensemble_state import RobotMemory
+from push_control.perception.ensemble.hypothesis_test import HypothesisTest, Verdict
 from push_control.perception.ensemble.measurement_update import COUPLING_TIME
 from push_control.perception.ensemble.push_ensemble import PushEnsemble
-from push_control.perception.ensemble.slip_detector import (
-    SlipDetector, slippery_friction, SlipVerdict)
+from push_control.perception.ensemble.slip_detector import SlipDetector, slippery_friction
 from push_control.perception.object_knowledge import ObjectKnowledge
 from push_model.geometry import FloatArray, Pose
 from push_model.signals import ObjectPose, Odometry
 
 
+class _Alternative(NamedTuple):
+    """An ensemble in which a hypothesis holds, and the test of that."""
+
+    ensemble: PushEnsemble
+    test: HypothesisTest
+
+
 class ContactHypotheses(EnsembleReading):
     """
-    Follows a rough and a slippery contact, and reads as the one that is kept.
+    Follows a contact as stated and others that may be, and reads as the one that is kept.
 
-    What is inferred of the robot by other means than measurements holds for the rough contact
+    What is inferred of the robot by other means than measurements holds for the stated contact
     alone: it ends the comparison until the next contact.
     """
 
@@ -34,25 +43,26 @@ class ContactHypotheses(EnsembleReading):
         """
         super().__init__(ensemble._state)
         self._ensemble = ensemble
-        self._slippery: PushEnsemble | None = None
         self._slip_detector = SlipDetector()
+        self._creep_test = HypothesisTest()
+        self._alternatives: list[_Alternative] = []
 
     @property
     def is_undecided(self) -> bool:
-        """Tell whether both hypotheses are followed."""
-        return self._slippery is not None
+        """Tell whether a slippery contact is followed besides."""
+        return any(alternative.test is self._slip_detector for alternative in self._alternatives)
 
-    # Measurements, which both hypotheses follow.
+    # Measurements, which all hypotheses follow.
 
     def predict(self, odometry: Odometry, step: Pose | None = None) -> None:
         """
-        Move the members of both hypotheses by odometry.
+        Move the members of all hypotheses by odometry.
 
         :param odometry: as of ``PushEnsemble.predict``.
         :param step: likewise.
         """
-        if self._slippery is not None:
-            self._slippery.predict(odometry, step)
+        for alternative in self._alternatives:
+            alternative.ensemble.predict(odometry, step)
         if not self._ensemble.predict(odometry, step):
             return
         time_since_contact = self._ensemble.time_since_contact
@@ -63,29 +73,28 @@ class ContactHypotheses(EnsembleReading):
 
     def update(self, measured: ObjectPose) -> bool:
         """
-        Correct both hypotheses by a measured object pose, and compare them.
+        Correct all hypotheses by a measured object pose, and compare them.
 
         :param measured: as of ``PushEnsemble.update``.
         :return: whether the estimate of the hypothesis that is read from now on includes it.
         """
-        slippery = self._slippery
         is_accepted = self._ensemble.update(measured)
-        if slippery is None:
-            return is_accepted
-        is_accepted_if_slippery = slippery.update(measured)
-        verdict = self._slip_detector.evaluate(self._log_likelihood_ratio(slippery))
-        self._follow(slippery, verdict)
-        return is_accepted_if_slippery if verdict is SlipVerdict.SLIPPERY else is_accepted
+        are_accepted = [each.ensemble.update(measured) for each in self._alternatives]
+        for alternative, is_accepted_there in zip(list(self._alternatives), are_accepted):
+            verdict = alternative.test.evaluate(self._log_likelihood_ratio(alternative))
+            if self._follow(alternative, verdict):
+                return is_accepted_there
+        return is_accepted
 
     def update_robot(self, pose: Pose, covariance: FloatArray) -> None:
         """
-        Correct both hypotheses by a measured pose of the robot.
+        Correct all hypotheses by a measured pose of the robot.
 
         :param pose: as of ``PushEnsemble.update_robot``.
         :param covariance: likewise.
         """
-        if self._slippery is not None:
-            self._slippery.update_robot(pose, covariance)
+        for alternative in self._alternatives:
+            alternative.ensemble.update_robot(pose, covariance)
         self._ensemble.update_robot(pose, covariance)
 
     # Inferences, which end the comparison.
@@ -100,7 +109,7 @@ class ContactHypotheses(EnsembleReading):
         :param deviation: likewise.
         :param is_certain: likewise.
         """
-        self._slippery = None
+        self._alternatives.clear()
         self._ensemble.update_along(direction, error, deviation, is_certain)
 
     def inflate_covariance(self, deviation: float, heading_deviation: float = 0.0) -> None:
@@ -110,7 +119,7 @@ class ContactHypotheses(EnsembleReading):
         :param deviation: standard deviation of x and of y that is added [m].
         :param heading_deviation: standard deviation of the heading that is added [rad].
         """
-        self._slippery = None
+        self._alternatives.clear()
         self._ensemble.inflate_covariance(deviation, heading_deviation)
 
     def place_robot(self, pose: Pose, deviations: Sequence[float]) -> None:
@@ -120,7 +129,7 @@ class ContactHypotheses(EnsembleReading):
         :param pose: its ``Pose``, about.
         :param deviations: standard deviations of x, y [m] and heading [rad].
         """
-        self._slippery = None
+        self._alternatives.clear()
         self._ensemble.place_robot(pose, deviations)
 
     def restore_robot(self, memory: RobotMemory, deviation: float,
@@ -131,7 +140,7 @@ class ContactHypotheses(EnsembleReading):
         :param deviation: standard deviation of x and of y that is added [m].
         :param heading_deviation: standard deviation of the heading that is added [rad].
         """
-        self._slippery = None
+        self._alternatives.clear()
         self._ensemble.restore_robot(memory, deviation, heading_deviation)
 
     def take_over_robot(self, previous: EnsembleReading) -> None:
@@ -140,7 +149,7 @@ class ContactHypotheses(EnsembleReading):
 
         :param previous: that estimate; nothing is taken before its first odometry.
         """
-        self._slippery = None
+        self._alternatives.clear()
         self._ensemble.take_over_robot(previous)
 
     def start_from(self, knowledge: ObjectKnowledge) -> None:
@@ -154,29 +163,55 @@ class ContactHypotheses(EnsembleReading):
     # Comparison.
 
     def _fork(self) -> None:
-        """Fork a low-friction hypothesis at first contact."""
-        if self._slippery is not None or not self.has_object or not self._state.knows_contact:
+        """Fork the hypotheses that are open at first contact."""
+        if not self.has_object or not self._state.knows_contact:
             return
         nominal = self.members.obj.contact_friction_coefficient
         friction = self.members.parameters[:, -1]
-        if self._slip_detector.is_needed(nominal, friction):
-            self._slippery = self._ensemble.fork()
-            self._slippery.set_contact_friction(slippery_friction(nominal, friction))
+        if not self._is_followed(self._slip_detector) and self._slip_detector.is_needed(
+                nominal, friction):
+            self._follow_too(self._slip_detector).set_contact_friction(
+                slippery_friction(nominal, friction))
+        if not self._is_followed(self._creep_test) and self._may_creep:
+            self._follow_too(self._creep_test).let_wheels_creep()
 
-    def _log_likelihood_ratio(self, slippery: PushEnsemble) -> float:
-        """Return the logarithm of the likelihood of slippery over rough, since the fork."""
-        return slippery.log_likelihood - self._ensemble.log_likelihood
+    @property
+    def _may_creep(self) -> bool:
+        """Whether wheels may creep that are taken not to."""
+        return self._creep_test.is_open and not self.members.wheel_creep.any()
+
+    def _is_followed(self, test: HypothesisTest) -> bool:
+        return any(alternative.test is test for alternative in self._alternatives)
+
+    def _follow_too(self, test: HypothesisTest) -> PushEnsemble:
+        """Follow a copy of the estimate, in which a hypothesis is to hold."""
+        alternative = _Alternative(self._ensemble.fork(), test)
+        self._alternatives.append(alternative)
+        return alternative.ensemble
+
+    def _log_likelihood_ratio(self, alternative: _Alternative) -> float:
+        """Return the logarithm of the likelihood of a hypothesis over others, since its fork."""
+        others = [self._ensemble.log_likelihood]
+        if alternative.test is self._creep_test:
+            others += [each.ensemble.log_likelihood for each in self._alternatives
+                       if each is not alternative]
+        return alternative.ensemble.log_likelihood - max(others)
 
     def _decide_after_contact(self) -> None:
         """Follow the likelier hypothesis once a contact is over."""
-        slippery = self._slippery
-        if slippery is not None:
-            ratio = self._log_likelihood_ratio(slippery)
-            self._follow(slippery, self._slip_detector.evaluate_after_contact(ratio))
+        for alternative in list(self._alternatives):
+            ratio = self._log_likelihood_ratio(alternative)
+            if self._follow(alternative, alternative.test.evaluate_after_contact(ratio)):
+                return
 
-    def _follow(self, slippery: PushEnsemble, verdict: SlipVerdict) -> None:
-        if verdict is SlipVerdict.BOTH:
-            return
-        self._slippery = None
-        if verdict is SlipVerdict.SLIPPERY:
-            self._ensemble.assign(slippery)
+    def _follow(self, alternative: _Alternative, verdict: Verdict) -> bool:
+        """Do what a verdict says; return whether a hypothesis has become the estimate."""
+        if verdict is Verdict.OPEN:
+            return False
+        self._alternatives.remove(alternative)
+        if verdict is Verdict.REJECTED:
+            return False
+        # The others are forks of an estimate that is given up.
+        self._alternatives.clear()
+        self._ensemble.assign(alternative.ensemble)
+        return True

@@ -99,11 +99,6 @@ class EnsembleReading:
         return float(self.members.parameters[:, SCALE].mean())
 
     @property
-    def load_error(self) -> float:
-        """Estimated part by which odometry means more motion while the robot pushes unseen."""
-        return float(self._state.load_errors.mean())
-
-    @property
     def contact_ratio(self) -> float:
         """Ratio of members in which the robot touches the object."""
         return self.members.contact_ratio

@@ -36,14 +36,15 @@ class OdometryNoise(NamedTuple):
     :param drift: heading error per distance [rad/m].
     :param walk: random walk of the position [m/sqrt(m)].
     :param heading_walk: random walk of the heading [rad/sqrt(m)].
-    :param load: relative error of distances besides, of a robot that pushes what it does not see.
+    :param creep: part of the way that wheels lose for each newton of a push [1/N]; 0 where pushes
+        are seen, so that poses tell it.
     """
 
     scale: float
     drift: float
     walk: float
     heading_walk: float
-    load: float = 0.0
+    creep: float = 0.0
 
 
 class RobotMemory(NamedTuple):
@@ -72,7 +73,6 @@ class EnsembleState:
     poses tell of a contact that nobody has seen [s]. ``explained_time``: of the newest object pose
     that the members explain [s]. ``is_relative``: whether the newest object pose is relative to
     the robot. ``is_in_map``: whether the robot is localized with errors that stay, as in a map.
-    ``load_errors``: relative errors of distances of robots that push, shape (n, 1).
     """
 
     def __init__(self, members: Members, bias: PoseBias, odometry_noise: OdometryNoise,
@@ -98,9 +98,8 @@ class EnsembleState:
         self.is_relative = False
         self.is_in_map = False
         self._draw_parameters()
-        self.load_errors: FloatArray = np.zeros((members.count, 1))
-        if odometry_noise.load > 0.0:
-            self.load_errors += odometry_noise.load * self.normal((members.count, 1))
+        if odometry_noise.creep > 0.0:
+            members.wheel_creep[:] = odometry_noise.creep * self.normal((members.count, 1))
 
     def _draw_parameters(self) -> None:
         members, noise = self.members, self.odometry_noise
@@ -193,5 +192,4 @@ class EnsembleState:
         self.outliers, self.last_contact = other.outliers, other.last_contact
         self.coupled_until = other.coupled_until
         self.explained_time = other.explained_time
-        self.load_errors = other.load_errors
         self.is_relative = other.is_relative

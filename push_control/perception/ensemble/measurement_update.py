@@ -187,9 +187,8 @@ class MeasurementUpdate:
             return
         if tells_of_friction:
             update.apply(members.parameters)
+            update.apply(members.wheel_creep)
             members.apply_parameters()
-            if state.odometry_noise.load > 0.0:
-                update.apply(state.load_errors)
         else:
             errors = members.parameters[:, :ODOMETRY_ERRORS].copy()
             update.apply(errors)
@@ -233,7 +232,7 @@ class MeasurementUpdate:
     def _had_unseen_contact(self) -> bool:
         """Whether there was a contact since the last pose that the members explain."""
         state = self._state
-        return (state.odometry_noise.load > 0.0
+        return (state.odometry_noise.creep > 0.0
                 and state.last_contact > state.explained_time + COUPLING_TIME)
 
     def _spread_members(self, factor: float) -> None:

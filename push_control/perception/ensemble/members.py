@@ -69,7 +69,7 @@ class Members:
 
     ``states``: shape (n, 28), rows in the order of ``push_dynamics.layout``. ``parameters``: shape
     (n, 3 + supports + 1): odometry errors, logarithms of the friction factors of the supports,
-    contact friction.
+    contact friction. ``wheel_creep``: as of ``wheel_creep``, shape (n, 1) [1/N].
     """
 
     def __init__(self, obj: PushedObject, robot: RoundRobot, count: int) -> None:
@@ -89,6 +89,7 @@ class Members:
         self.supports: FloatArray = np.tile(self._nominal_supports, (count, 1, 1))
         self.parameters: FloatArray = np.zeros((count, ODOMETRY_ERRORS + len(rows) + 1))
         self.parameters[:, -1] = obj.contact_friction_coefficient
+        self.wheel_creep: FloatArray = np.zeros((count, 1))
         self.worlds = Worlds(
             self.states, self.bodies, self.supports,
             outline=kernel_array(obj.outline or NO_OUTLINE),
@@ -203,6 +204,7 @@ class Members:
         """
         self.states[:] = other.states
         self.parameters[:] = other.parameters
+        self.wheel_creep[:] = other.wheel_creep
         self.apply_parameters()
         self._forget_poses()
 

@@ -6,8 +6,8 @@ errors s, g, d by
 
     (dx, dy) / (1 + s),    (1 + g) dtheta - d l,
 
-plus a random walk whose variance is in proportion to l; the dynamics move the object with it. The
-wheels of a robot that pushes creep besides: by an error of distances that holds in contact only.
+plus a random walk whose variance is in proportion to l, less what wheels that creep lose
+(``wheel_creep``); the dynamics move the object with it.
 """
 
 import math
@@ -17,6 +17,7 @@ from push_control.perception.ensemble.ensemble_state import EnsembleState, POSE
 from push_control.perception.ensemble.ensemble_update import (
     add_odometry, disturb_objects, EnsembleUpdate)
 from push_control.perception.ensemble.members import MAX_STEP, OBJECT_COLUMNS
+from push_control.perception.ensemble.wheel_creep import reduce_by_creep
 from push_model.geometry import FloatArray, Pose, wrap_angle
 from push_model.signals import Odometry
 
@@ -82,9 +83,7 @@ class Prediction:
         increments = state.rng.standard_normal((members.count, POSE))
         add_odometry(increments, self._means, members.parameters, self._odometry_walks,
                      (step.x, step.y, rotation))
-        if state.odometry_noise.load > 0.0:
-            pushing = members.in_contact
-            increments[pushing, :2] /= 1.0 + state.load_errors[pushing]
+        reduce_by_creep(increments, members)
         before = None if state.pose_time is None else members.poses
         if members.move(increments, duration):
             state.last_contact = time

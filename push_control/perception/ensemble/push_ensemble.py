@@ -24,6 +24,7 @@ from push_control.perception.ensemble.measurement_update import MeasurementUpdat
 from push_control.perception.ensemble.members import MEMBER_COUNT, Members, ODOMETRY_ERRORS
 from push_control.perception.ensemble.pose_bias import PoseBias
 from push_control.perception.ensemble.prediction import Prediction
+from push_control.perception.ensemble.wheel_creep import spread_creep
 from push_control.perception.object_knowledge import ObjectKnowledge
 from push_control.settings import ControlSettings
 from push_model.geometry import FloatArray, Pose, wrap_angle
@@ -182,6 +183,7 @@ class PushEnsemble(EnsembleReading):
         if previous.odometry is not None:
             self.predict(previous.odometry)
             self.restore_robot(previous.remember_robot(), 0.0, 0.0)
+            self.members.wheel_creep[:] = previous.members.wheel_creep
 
     # What is known of friction.
 
@@ -204,6 +206,10 @@ class PushEnsemble(EnsembleReading):
         """
         self.members.parameters[:, -1] = friction
         self.members.apply_parameters()
+
+    def let_wheels_creep(self) -> None:
+        """Follow wheels that creep, by an amount that is to be estimated."""
+        self.members.wheel_creep[:] = spread_creep(self.members.count, self._state.rng)
 
     # Copies.
 

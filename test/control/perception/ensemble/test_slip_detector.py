@@ -6,10 +6,11 @@ from helpers.ensemble_runs import ROBOT, run
 from helpers.objects import bin_, box
 import numpy as np
 from push_control.perception.ensemble.ensemble_state import OdometryNoise
+from push_control.perception.ensemble.hypothesis_test import (
+    ACCEPTED_ODDS, PRIOR_ODDS, REJECTED_ODDS, Verdict)
 from push_control.perception.ensemble.push_ensemble import PushEnsemble
 from push_control.perception.ensemble.slip_detector import (
-    PRIOR_ODDS, ROUGH_ODDS, SlipDetector, SLIPPERY_FRACTION, slippery_friction, SLIPPERY_ODDS,
-    SlipVerdict)
+    SlipDetector, SLIPPERY_FRACTION, slippery_friction)
 from push_control.perception.object_knowledge import ObjectKnowledge
 from push_control.settings import ControlSettings
 from push_model.geometry import Pose
@@ -54,12 +55,12 @@ def test_a_rough_contact_stays_rough(make, seed):
 def test_evidence_adds_up_over_contacts():
     """What each contact shows counts in the next, until one hypothesis is certain."""
     whole, parts = SlipDetector(), SlipDetector()
-    ratio = 0.6 * math.log(SLIPPERY_ODDS / PRIOR_ODDS)
-    assert whole.evaluate(ratio) is SlipVerdict.BOTH
-    assert whole.evaluate(2.0 * ratio) is SlipVerdict.SLIPPERY
-    assert parts.evaluate_after_contact(0.3 * ratio) is SlipVerdict.ROUGH
+    ratio = 0.6 * math.log(ACCEPTED_ODDS / PRIOR_ODDS)
+    assert whole.evaluate(ratio) is Verdict.OPEN
+    assert whole.evaluate(2.0 * ratio) is Verdict.ACCEPTED
+    assert parts.evaluate_after_contact(0.3 * ratio) is Verdict.REJECTED
     assert parts.is_needed(NOMINAL, PRIOR)
-    assert parts.evaluate(1.7 * ratio) is SlipVerdict.SLIPPERY
+    assert parts.evaluate(1.7 * ratio) is Verdict.ACCEPTED
     assert not parts.is_needed(NOMINAL, PRIOR)
 
 
@@ -67,7 +68,7 @@ def test_a_hypothesis_that_is_refuted_is_not_followed_again():
     """Nor is one that what was learned of friction excludes, or that is believed already."""
     test = SlipDetector()
     assert test.is_needed(NOMINAL, PRIOR)
-    assert test.evaluate(math.log(ROUGH_ODDS)) is SlipVerdict.ROUGH
+    assert test.evaluate(math.log(REJECTED_ODDS)) is Verdict.REJECTED
     assert not test.is_needed(NOMINAL, PRIOR)
     known = NOMINAL + 0.1 * (PRIOR - NOMINAL)
     assert not SlipDetector().is_needed(NOMINAL, known)
