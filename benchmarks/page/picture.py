@@ -43,6 +43,8 @@ def main(path: str) -> None:
         wait_for(driver, 'typeof app !== "undefined" && app.canEdit && app.recording.end > 0.2')
         _play(driver)
         _set_size(driver, WIDTH, HEIGHT)
+        driver.execute_script('document.getElementById("hint-read").click()')
+        wait_for(driver, 'document.getElementById("background").hidden', PATIENCE)
         _show_push(driver)
         height = driver.execute_script(
             'return document.getElementById(arguments[0]).closest("section")'

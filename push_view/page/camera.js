@@ -61,7 +61,7 @@ class Camera {
     const scene = recording.scene;
     if (!scene || !this.width) return;
     const extent = Math.max(...outlineOf(scene.object).map((vertex) => Math.hypot(...vertex)));
-    const shown = recording.isLive ? this.present(recording) : recording.paths;
+    const shown = recording.isLive ? this.recent(recording) : recording.paths;
     const goals = recording.isLive ? recording.goals.slice(-1) : recording.goals;
     for (const point of shown.object) add(point[0], point[1], extent);
     for (const point of shown.robot) add(point[0], point[1], scene.robot.radius);
@@ -87,6 +87,12 @@ class Camera {
     this.scale = 0.94 * Math.min(this.width / side, this.height / height, 800);
     this.isFitted = true;
     this.isMoved = false;
+  }
+
+  // Paths of object and robot since the last goal.
+  recent(recording) {
+    const goal = recording.latest('goal', Infinity), start = goal ? goal.time : -Infinity;
+    return Object.fromEntries(['object', 'robot'].map((body) => [body, recording.path(body, start, Infinity)]));
   }
 
   // Where object and robot are now, as paths of one point.

@@ -47,7 +47,7 @@ class Floor extends Pen {
     c.textAlign = 'left';
     c.textBaseline = 'top';
     c.fillStyle = this.colors['push-' + (count - 1) % PUSH_COLOR_COUNT];
-    c.fillText(isWhole ? `push ${count} of ${pushes.length}` : `push ${count}`, 12, 10);
+    c.fillText(isWhole ? `push ${count} of ${pushes.length}` : `push ${count}`, 44, 10);
   }
 
   // Object and robot of the run before, at the same time.

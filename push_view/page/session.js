@@ -42,7 +42,9 @@ class SessionControls {
     for (const [id, isShown] of [['preparing', message.is_awaited], ['background', !message.is_awaited]]) {
       byId(id).hidden = !message.name || !isShown;
       setText(byId(id).querySelector('span'), isShown ? `preparing pushes: ${message.name}` : '');
-      byId(id).querySelector('progress').value = message.part;
+      const bar = byId(id).querySelector('progress');
+      // Of what is compiled nobody knows how far it is.
+      if (message.part) bar.value = message.part; else bar.removeAttribute('value');
     }
   }
 

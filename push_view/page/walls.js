@@ -1,14 +1,14 @@
 'use strict';
 // Walls as they are drawn: on a grid, along its axes, and one of them under the pointer.
 
-// Walls begin and end on a grid of this side [m].
-const WALL_GRID = 0.1;
+// Walls begin and end on a grid of so many lines to a metre.
+const GRID_LINES = 10;
 // A wall that is this near to an axis runs along it [rad].
 const NEARLY_STRAIGHT = Math.PI / 15;
 const WALL_THICKNESS = 0.1;
 
 function snapPoint(point) {
-  return point.slice(0, 2).map((value) => Math.round(value / WALL_GRID) * WALL_GRID);
+  return point.slice(0, 2).map((value) => Math.round(value * GRID_LINES) / GRID_LINES);
 }
 
 // The other end of a wall: on the grid, and along an axis where it nearly is.

@@ -55,6 +55,15 @@ class Browser:
                 moves.click_and_hold()
         moves.release().perform()
 
+    def click(self, point):
+        """Click on the floor at (x, y) in metres."""
+        from selenium.webdriver.common.action_chains import ActionChains
+        canvas = self.driver.find_element('id', 'floor')
+        x, y = self.run('const r = arguments[0].getBoundingClientRect();'
+                        'const [x, y] = app.camera.toScreen(arguments[1]);'
+                        'return [x - r.width / 2, y - r.height / 2]', canvas, list(point))
+        ActionChains(self.driver).move_to_element_with_offset(canvas, x, y).click().perform()
+
     def picture(self):
         """Return what is on the screen as a picture of pillow."""
         from PIL import Image

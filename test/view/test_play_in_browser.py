@@ -55,23 +55,38 @@ def test_the_goal_is_dragged_and_the_object_brought_there(browser):
     browser.wait('document.getElementById("state").textContent === "done"')
     x, y, _ = pose(browser, 'object')
     assert (x, y) == pytest.approx(goal[:2], abs=0.02)
+    browser.wait('document.getElementById("achieved").textContent.startsWith("time stands")')
+    end = browser.run('return app.recording.end')
+    browser.run('app.send({type: "displace", pose: [0, 0, 0]})')
+    browser.wait(f'app.recording.end > {end} + 0.5')
 
 
 def test_the_object_is_moved_and_a_wall_drawn(browser):
-    """By the mouse, each with its tool."""
+    """By the mouse; the wall keeps to the grid, a click removes it, and Ctrl-Z brings it back."""
+    from selenium.webdriver.common.action_chains import ActionChains
+    from selenium.webdriver.common.keys import Keys
+    count = browser.run('return app.recording.displacements.length')
     x, y, _ = pose(browser, 'object')
     browser.run('document.querySelector("input[value=object]").click()')
     browser.drag((x, y), (x, y - 0.6))
-    moved = browser.wait('app.recording.displacements.length && app.recording.displacements[0]')
+    moved = browser.wait(f'app.recording.displacements[{count}]')
     assert moved['after'][1] == pytest.approx(y - 0.6, abs=0.05)
     # Planning round a wall takes its time, which is not what this is about.
     browser.run('app.send({type: "run", paused: true})')
     browser.wait('!app.player.isPlaying')
     browser.run('document.querySelector("input[value=wall]").click()')
-    browser.drag((x - 0.4, y + 0.8), (x + 0.4, y + 0.8))
+    browser.drag((x - 0.4, y + 0.8), (x + 0.4, y + 0.83))
     browser.wait('app.recording.maps.length === 2 && app.recording.maps[1].rows.length > 0')
+    (x0, y0, x1, y1), = browser.wait('app.recording.walls.length && app.recording.walls')
+    assert y0 == y1 and [x0, y0, x1] == pytest.approx([x - 0.4, y + 0.8, x + 0.4], abs=0.051)
+    assert [10 * x0, 10 * y0, 10 * x1] == [round(10 * value) for value in (x0, y0, x1)]
+    browser.click((0.5 * (x0 + x1), y0))
+    browser.wait('!app.recording.walls.length')
+    ActionChains(browser.driver).key_down(Keys.CONTROL).send_keys('z').key_up(
+        Keys.CONTROL).perform()
+    browser.wait('app.recording.walls.length')
     browser.run('document.getElementById("clear-walls").click()')
-    browser.wait('app.recording.maps.length === 3')
+    browser.wait('!app.recording.walls.length && app.recording.maps.length === 5')
     browser.run('app.send({type: "run", paused: false})')
 
 
@@ -101,15 +116,33 @@ def test_settings_reach_the_simulation(browser):
     browser.wait('Math.abs(app.recording.latest("truth", Infinity).friction[0] - 0.77) < 0.01')
     browser.run('app.send({type: "goal", pose: [1, 2]})')
     browser.wait('document.getElementById("message").textContent.includes("goal.pose")')
-    browser.run('const s = document.querySelector("select[name=object]"); s.value = "bin";'
-                's.dispatchEvent(new Event("change"))')
+    browser.run('location.hash = "goal=1"')
+    browser.wait('document.getElementById("message").textContent.includes("link.goal")')
+    browser.run('location.hash = "scenario=task_tap&object=bin&friction.0=0.2"')
     browser.wait('app.recording.scene.object.radius > 0 && app.recording.end > 0.1')
+    assert browser.run('return app.recording.latest("truth", Infinity).friction[0]') == 0.2
     browser.run('const s = document.querySelector("select[name=base]"); s.value = "late_02";'
                 's.dispatchEvent(new Event("change"))')
     browser.wait('app.recording.scene.true_base.dead_time === 0.2 && app.recording.end > 0.1')
     browser.wait('document.getElementById("base").tBodies[0].rows[0].innerText'
                  '.replace(/\\s+/g, " ") === "dead time [s] 0.20 0.00 0.00"')
     assert browser.errors() == []
+
+
+def test_controls_are_large_enough_and_explained(browser):
+    """A finger hits each; each term has a tooltip; only states and refusals are read aloud."""
+    small = browser.run("""
+        const target = (e) => ["radio", "checkbox"].includes(e.type) ? e.closest("label") : e;
+        return [...document.querySelectorAll("button, select, input, a, summary")].map(target)
+          .filter((e) => e.offsetParent).map((e) => [e.outerHTML, e.getBoundingClientRect()])
+          .filter(([, box]) => Math.min(box.width, box.height) < 24).map(([text]) => text)""")
+    assert small == []
+    assert browser.run('return [...document.querySelectorAll(".term")].filter(e => !e.title)'
+                       '.map(e => e.textContent)') == []
+    assert browser.run('return [...document.querySelectorAll("[aria-live], [role=status], '
+                       '[role=alert], output")].map(e => e.id)') == ['state', 'message']
+    browser.run('document.getElementById("hint-read").click()')
+    assert browser.run('return document.getElementById("hint").hidden')
 
 
 @pytest.mark.parametrize('sensors, place', [('own_camera', 'robot'), ('room_camera', 'room')])
