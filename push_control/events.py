@@ -41,7 +41,9 @@ class TaskEvent(Cause):
         'at its goal as odometry has it, which is known to {position:.0f} mm and {heading:.1f} '
         'deg (standard deviations)')
     NOBODY_PLANS = 'no plan within {timeout:g} s: nobody subscribes {topic}'
-    PLANNER_SILENT = 'no plan within {timeout:g} s: the subscriber of {topic} does not answer'
+    PLANNER_SILENT = (
+        'no plan within {timeout:g} s: the subscriber of {topic} does not answer yet; for a new '
+        'object it takes a minute or two')
     PLANNERS_SILENT = 'no plan within {timeout:g} s: {count} subscribers of {topic} do not answer'
     PLAN_STARTS_ELSEWHERE = (
         'the plan begins where the object is not, {distance:.2f} m and {rotation:.0f} deg off')
