@@ -60,6 +60,9 @@ class PrivateFolder:
                 if not stat.S_ISREG(status.st_mode):
                     return None
                 digest, content = file.read(DIGEST_SIZE), file.read()
+                # The time of its last use, by which the cache forgets; a disk may be read-only.
+                with contextlib.suppress(OSError):
+                    os.utime(file.fileno())
         except OSError:
             return None
         return content if digest == _digest(name, content) else None

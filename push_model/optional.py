@@ -5,7 +5,7 @@ from importlib import util
 # Extra of the package that brings a module.
 EXTRAS = {'aiohttp': 'play', 'argcomplete': 'completion', 'casadi': 'steered',
           'distributed': 'cluster', 'matplotlib': 'plot', 'mujoco': 'validation', 'PIL': 'plot',
-          'py_trees': 'trees', 'rosbags': 'record', 'tqdm': 'plot'}
+          'py_trees': 'trees', 'rosbags': 'record', 'segno': 'play', 'tqdm': 'plot'}
 
 
 def is_casadi_installed() -> bool:

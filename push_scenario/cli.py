@@ -16,6 +16,7 @@ import time
 from typing import TYPE_CHECKING
 
 from push_control.law_names import is_own_law, law_file_name
+from push_dynamics.cache_activity import CacheActivity
 from push_model.optional import how_to_install
 import push_scenario
 from push_scenario.definition.catalogue import (
@@ -24,6 +25,7 @@ from push_scenario.interrupts import Interrupts
 from push_scenario.progress_line import ProgressLine
 from push_scenario.replay_options import DEMO, make_parser
 from push_scenario.terminal_line import shows_colors
+from push_scenario.ticker import Ticker
 
 if TYPE_CHECKING:
     from push_scenario.definition.scenario import Scenario
@@ -33,6 +35,8 @@ if TYPE_CHECKING:
     from push_view.belief import BeliefRecorder
 
 AS_EXPECTED, NOT_AS_EXPECTED, MISUSE, INTERRUPTED = 0, 1, 2, 130
+# Time between two looks at what is compiled, where nothing else shows progress [s]; chosen.
+REFRESH_PERIOD = 0.5
 # Commands of a recording that are listed where they differ; chosen: the first tell most.
 MAX_DIFFERENCES = 5
 
@@ -186,18 +190,19 @@ def _play_back(scenario: 'Scenario', bag: Path) -> int:
 
 def _run(scenario: 'Scenario', law: str, options: argparse.Namespace,
          interrupts: Interrupts, belief: 'BeliefRecorder') -> 'RunResult':
-    line = ProgressLine(sys.stderr, time.monotonic, f'{scenario.name}, {law}')
+    line = ProgressLine(sys.stderr, time.monotonic, f'{scenario.name}, {law}', CacheActivity())
 
     def show(progress: 'Progress') -> None:
         interrupts.check()
         line(progress)
 
-    if options.in_process:
-        # As over DDS in lockstep, time stands still while a task is planned.
-        result = push_scenario.simulate(scenario, law, progress=show, intervene=belief,
-                                        planning_time=0.0)
-    else:
-        result = _run_over_dds(scenario, law, options, show)
+    with Ticker(line.refresh, REFRESH_PERIOD):
+        if options.in_process:
+            # As over DDS in lockstep, time stands still while a task is planned.
+            result = push_scenario.simulate(scenario, law, progress=show, intervene=belief,
+                                            planning_time=0.0)
+        else:
+            result = _run_over_dds(scenario, law, options, show)
     from push_scenario.evaluation.metrics import bounds_missed, verdict
     line.end('; '.join([verdict(result), *bounds_missed(result)]))
     if result.tape is not None:

@@ -2,11 +2,15 @@
 
 from concurrent.futures import ThreadPoolExecutor
 import os
+import re
 import threading
 import time
 
+from push_dynamics.cache_activity import CacheActivity, USUAL_FUNCTIONS
+from push_dynamics.cli import main
 from push_dynamics.private_folder import warn_once
-from push_dynamics.user_cache import DAY, user_cache
+import push_dynamics.user_cache
+from push_dynamics.user_cache import cached_files, DAY, user_cache
 import pytest
 
 USED, UNUSED, RECENT = '0123456789abcdef', 'fedcba9876543210', '0000000000000001'
@@ -57,6 +61,53 @@ def test_it_is_looked_for_once_a_day(cache):
     age(cache / 'pruned', 1.1)
     user_cache(USED)
     assert not (cache / UNUSED).exists()
+
+
+def test_the_cache_is_bounded_and_what_was_read_last_stays(cache, monkeypatch):
+    """Files go, whatever folder they are in, the longest unused first."""
+    monkeypatch.setattr(push_dynamics.user_cache, 'MAX_SIZE', 1000.0)
+    folder = user_cache(USED)
+    for index in range(8):
+        folder.write(f'{index}.npz', bytes(200))
+        age(folder.path / f'{index}.npz', 8.0 - index)
+    assert folder.read('0.npz') == bytes(200)
+    age(cache / 'pruned', 1.1)
+    user_cache(USED)
+    left = {file.path.name for file in cached_files() if file.path.suffix == '.npz'}
+    assert left == {'0.npz', '6.npz', '7.npz'}
+    assert sum(file.size for file in cached_files()) <= 0.75 * 1000.0
+
+
+def test_the_command_shows_and_clears_the_cache(cache, capsys):
+    user_cache(USED).write('table-1.npz', bytes(2000000))
+    user_cache(USED).write('push.code', bytes(1000000))
+    assert main([]) == 0
+    shown = capsys.readouterr().out
+    assert str(cache) in shown and 'cleared' not in shown
+    assert re.search(r'machine code +1 files +1.0 MB', shown)
+    assert re.search(r'tables of pushes +1 files +2.0 MB', shown)
+    assert main(['--clear']) == 0
+    assert cached_files() == [] and names(cache) == set()
+    assert user_cache(USED).read('push.code') is None
+
+
+def test_what_is_new_in_the_cache_is_told(cache):
+    """Code by its number, also that which was there, in folders that are in use; then tables."""
+    user_cache(USED).write('old.code', b'code')
+    age(cache / USED, 3.0)
+    activity = CacheActivity()
+    assert activity() == ''
+    folder = user_cache(USED)
+    assert activity() == ''
+    folder.write('new.code', b'code')
+    assert activity() == f'compiling 2 of about {USUAL_FUNCTIONS}'
+    with folder.reserved('table-1.npz'):
+        assert activity() == 'table of pushes, step 1 of 2'
+        folder.write('table-1.npz', b'table')
+    with folder.reserved('cost-1.npz'):
+        assert activity() == 'table of pushes, step 2 of 2'
+        folder.write('cost-1.npz', b'cost')
+    assert 'table' not in activity()
 
 
 def test_several_processes_may_do_it_at_once(cache):

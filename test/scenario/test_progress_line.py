@@ -9,6 +9,7 @@ import threading
 
 from push_scenario.progress_line import ProgressLine
 from push_scenario.simulation.loop import Progress
+from push_scenario.ticker import Ticker
 import pytest
 
 
@@ -113,12 +114,46 @@ def test_time_until_a_task_runs_is_no_part_of_the_speed():
     for call in range(20):
         now[0] = float(call)
         line(Progress('idle', 0.0, 1.0))
-    waiting = stream.getvalue().splitlines()
-    assert not any('real time' in text for text in waiting)
-    assert ['compiled' in text for text in waiting] == [False] + (len(waiting) - 1) * [True]
+    assert not any('real time' in text for text in stream.getvalue().splitlines())
     for call in range(1, 1001):
         now[0] = 20.0 + call / 100
         line(Progress('approach', call / 50, 1.0))
-    assert not any('compiled' in text for text in stream.getvalue().splitlines()[-2:])
     assert stream.getvalue().splitlines()[-1].startswith('task: approach')
     assert 'at 2.0 x real time' in stream.getvalue().splitlines()[-1]
+
+
+def test_what_is_made_for_the_first_time_is_shown_while_time_stands_still():
+    """As soon as there is something; then the figures of the run take its place."""
+    now, made = [0.0], ['']
+    stream = Terminal()
+    line = ProgressLine(stream, lambda: now[0], 'task_demo, feedback', lambda: made[0])
+    line(Progress('plan', 0.0, 1.0))
+    now[0] = 1.0
+    line.refresh()
+    before = stream.getvalue()
+    assert 'compiling' not in before and before.count('\r') == 1
+    now[0], made[0] = 2.0, 'compiling 37 of about 125'
+    line.refresh()
+    line.refresh()
+    shown = stream.getvalue()[len(before):].split('\r')[1:]
+    assert [text.strip() for text in shown] == [
+        'task_demo, feedback: plan, compiling 37 of about 125']
+    now[0] = 3.0
+    line(Progress('push', 0.5, 1.0))
+    assert 'compiling' not in stream.getvalue().split('\r')[-1]
+
+
+def test_a_ticker_calls_until_its_block_ends():
+    """From a thread of its own, whatever the main one is busy with."""
+    called = threading.Event()
+    calls = []
+
+    def call():
+        calls.append(threading.current_thread())
+        called.set()
+
+    with Ticker(call, 0.001):
+        assert called.wait(60.0)
+    count = len(calls)
+    assert threading.current_thread() not in calls
+    assert not any(thread.is_alive() for thread in calls) and len(calls) == count
