@@ -4,8 +4,9 @@ from importlib import util
 
 # Extra of the package that brings a module.
 EXTRAS = {'aiohttp': 'play', 'argcomplete': 'completion', 'casadi': 'steered',
-          'distributed': 'cluster', 'matplotlib': 'plot', 'mujoco': 'validation', 'PIL': 'plot',
-          'py_trees': 'trees', 'rosbags': 'record', 'segno': 'play', 'tqdm': 'plot'}
+          'distributed': 'cluster', 'gymnasium': 'gym', 'matplotlib': 'plot',
+          'mujoco': 'validation', 'pandas': 'table', 'PIL': 'plot', 'py_trees': 'trees',
+          'rosbags': 'record', 'segno': 'play', 'tqdm': 'plot'}
 
 
 def is_casadi_installed() -> bool:

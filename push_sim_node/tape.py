@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from push_model.files.whole_file import write_whole
+from push_model.optional import how_to_install
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -82,8 +83,7 @@ class Tape:
         try:
             from pandas import DataFrame
         except ImportError as error:
-            raise RuntimeError('to_pandas needs pandas (pip install pandas): '
-                               f'{error}') from error
+            raise RuntimeError(f'to_pandas: {how_to_install("pandas")}') from error
         return DataFrame(self.rows, columns=list(self.columns))
 
     def to_bytes(self) -> bytes:

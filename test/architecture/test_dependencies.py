@@ -20,8 +20,9 @@ EXTRA_KEYS = {'casadi-pip', 'python3-aiohttp', 'python3-matplotlib', 'python3-pi
               'python3-rosbags-pip', 'python3-tqdm', 'python3-mujoco-pip', 'python3-pytest',
               'py_trees', 'rviz2'}
 # Modules that the extras bring, some of them through others.
-EXTRA_MODULES = ['aiohttp', 'casadi', 'dask', 'distributed', 'hypothesis', 'matplotlib', 'mcap',
-                 'mujoco', 'PIL', 'py_trees', 'rosbags', 'selenium', 'tqdm']
+EXTRA_MODULES = ['aiohttp', 'casadi', 'dask', 'distributed', 'gymnasium', 'hypothesis',
+                 'matplotlib', 'mcap', 'mujoco', 'pandas', 'PIL', 'py_trees', 'rosbags', 'selenium',
+                 'tqdm']
 IMPORT_WITHOUT = """
 import importlib, sys
 modules, absent = (text.split(',') for text in sys.argv[1:])
