@@ -21,8 +21,8 @@ EXTRA_KEYS = {'casadi-pip', 'python3-aiohttp', 'python3-matplotlib', 'python3-pi
               'py_trees', 'rviz2'}
 # Modules that the extras bring, some of them through others.
 EXTRA_MODULES = ['aiohttp', 'casadi', 'dask', 'distributed', 'gymnasium', 'hypothesis',
-                 'matplotlib', 'mcap', 'mujoco', 'pandas', 'PIL', 'py_trees', 'rosbags', 'selenium',
-                 'tqdm']
+                 'matplotlib', 'mcap', 'mujoco', 'pandas', 'PIL', 'py_trees', 'rosbags',
+                 'selenium', 'tqdm']
 IMPORT_WITHOUT = """
 import importlib, sys
 modules, absent = (text.split(',') for text in sys.argv[1:])
