@@ -12,7 +12,7 @@ import math
 from typing import Any, get_args, Literal
 
 import numpy as np
-from push_model.geometry import BoolArray, Coordinates, FloatArray, Polygon
+from push_model.geometry import BoolArray, convex_hull, Coordinates, FloatArray, Polygon
 from push_model.quantity import (
     check, INFINITY, MAX_EXTENT, MAX_HEIGHT, MIN_RADIUS, quantity, RADII,
 )
@@ -45,6 +45,8 @@ Drive = Literal['differential', 'holonomic']
 DRIVES: tuple[Drive, ...] = get_args(Drive)
 ContactKind = Literal['vertex', 'face', 'round']
 CONTACT_KINDS: tuple[ContactKind, ...] = get_args(ContactKind)
+# Vertices of a convex hull that an error lists, at most; chosen: as fits some lines.
+MAX_NAMED_VERTICES = 12
 # Vertices (x, y) of a convex polygon, counter-clockwise [m]; empty for a disc.
 Outline = tuple[tuple[float, float], ...]
 
@@ -353,6 +355,14 @@ def _is_point(value: Any) -> bool:
 
 # Kept for the same reason as the load fractions.
 @functools.lru_cache(maxsize=256)
+def _hull_text(outline: Outline) -> str:
+    """Offer what a robot touches of an outline that is not convex."""
+    hull = convex_hull(outline)
+    if len(hull) > MAX_NAMED_VERTICES:
+        return f'such as its hull of {len(hull)} vertices, push_model.convex_hull(outline)'
+    return f'such as its hull {[list(vertex) for vertex in hull]}'
+
+
 def _check_convex(outline: tuple[Any, ...]) -> None:
     for vertex in outline:
         if not _is_point(vertex):
@@ -368,7 +378,8 @@ def _check_convex(outline: tuple[Any, ...]) -> None:
         if cross <= 0.0:
             raise ValueError('PushedObject.outline: got an exterior angle of '
                              f'{math.atan2(cross, dot):.3g} rad at vertex {i}, expected a convex '
-                             'outline, counter-clockwise')
+                             f'outline, counter-clockwise, {_hull_text(outline)}')
         rotation += math.atan2(cross, dot)
     if abs(rotation - 2 * math.pi) > 1e-6:
-        raise ValueError('PushedObject.outline: got edges that cross, expected a convex outline')
+        raise ValueError('PushedObject.outline: got edges that cross, expected a convex outline, '
+                         + _hull_text(outline))

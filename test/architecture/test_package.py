@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from xml.etree import ElementTree
 
 from catkin_pkg.changelog import get_changelog_from_path
 from catkin_pkg.package import parse_package
@@ -21,6 +22,7 @@ import rclpy
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.task import Future
+import yaml
 
 EXECUTABLES = {'controller': 'push_controller', 'mocap_odometry': 'mocap_odometry',
                'planner': 'push_planner', 'sim': 'push_sim', 'tf_tracker': 'push_tracker'}
@@ -232,3 +234,13 @@ def test_data_are_found_through_the_ament_index(tmp_path):
     assert data.share_directory(module, index) == share
     with pytest.raises(FileNotFoundError, match='no_such.yaml'):
         data.config_file('no_such.yaml')
+
+
+def test_the_citation_names_what_the_manifest_does():
+    """Title, licence and authors; what a citation has to have besides."""
+    citation = yaml.safe_load((ROOT / 'CITATION.cff').read_text(encoding='utf-8'))
+    manifest = ElementTree.parse(ROOT / 'package.xml').getroot()
+    assert citation['title'] == manifest.findtext('name')
+    assert citation['license'] == manifest.findtext('license').replace(' ', '-')
+    assert citation['authors'] == [{'name': manifest.findtext('author')}]
+    assert citation.keys() >= {'cff-version', 'message'} and 'version' not in citation

@@ -1,5 +1,6 @@
 """Parameters of objects and robots: what is refused, and what follows where it is not given."""
 
+import ast
 import dataclasses
 import math
 
@@ -37,6 +38,25 @@ def test_star_is_not_convex():
     star = [(math.cos(a), math.sin(a)) for a in np.arange(5) * 4 * math.pi / 5]
     with pytest.raises(ValueError, match='convex'):
         dataclasses.replace(box(), outline=star)
+
+
+@pytest.mark.parametrize('outline', [
+    [(-0.3, -0.3), (0.3, -0.3), (0.3, 0.0), (0.0, 0.0), (0.0, 0.3), (-0.3, 0.3)],  # an L
+    [(-0.3, -0.3), (0.0, -0.3), (0.3, -0.3), (0.3, 0.3), (-0.3, 0.3)],  # a vertex on an edge
+    square_outline()[::-1],
+])
+def test_what_is_not_convex_is_offered_its_hull(outline):
+    with pytest.raises(ValueError) as error:
+        dataclasses.replace(box(), outline=outline)
+    hull = ast.literal_eval(str(error.value).partition('such as its hull ')[2])
+    assert {tuple(vertex) for vertex in hull} <= set(outline)
+    assert dataclasses.replace(box(), outline=hull).outline == tuple(map(tuple, hull))
+
+
+def test_a_long_hull_is_not_listed():
+    ring = [(0.2 * math.cos(a), 0.2 * math.sin(a)) for a in np.arange(40) * math.pi / 20]
+    with pytest.raises(ValueError, match='hull of 40 vertices, push_model.convex_hull'):
+        dataclasses.replace(box(), outline=[*ring, (0.0, 0.0)])
 
 
 def test_robot_refuses_an_unknown_drive():
