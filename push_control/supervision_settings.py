@@ -18,6 +18,10 @@ REMAINING_BIAS = 0.5
 # tags whose bias depends on the view are done, with three some look for a certainty that no view
 # gives.
 BIASED_SIGMAS = 2.0
+# The same where the object is seen now and then, and once it is averaged for as long as that pays;
+# chosen: the tolerances then hold in 98 of 100 such decisions, and in 95, and another push that
+# nobody sees takes longer than it brings.
+GLIMPSED_SIGMAS, LIKELY_SIGMAS = 2.0, 1.6
 # Part of the tolerances that pushes aim at, at least; chosen: less takes many taps.
 MIN_AIM = 0.5
 # Part of the tolerances that the confidence interval of an average may take up where its noise
@@ -99,6 +103,18 @@ class SupervisionSettings:
         """Validate the fields."""
         check(self)
 
+    @property
+    def has_limited_view(self) -> bool:
+        """Tell whether there are places from which the object is not seen."""
+        return (self.view_angle < math.pi or self.view_nearest > 0.0
+                or self.view_farthest < math.inf)
+
+    @property
+    def required_sigmas(self) -> float:
+        """Standard errors that must fit into the tolerances of an object without bias."""
+        sigmas = self.confidence_sigmas
+        return min(GLIMPSED_SIGMAS, sigmas) if self.has_limited_view else sigmas
+
     def is_precise(self, position_error: float, heading_error: float) -> bool:
         """
         Tell whether an average is known well enough to judge whether a task is done.
@@ -112,9 +128,9 @@ class SupervisionSettings:
     @property
     def precise_errors(self) -> tuple[float, float]:
         """Standard errors of position [m] and heading [rad] of an average that is precise."""
-        if self.confidence_sigmas == 0.0:
+        if self.required_sigmas == 0.0:
             return math.inf, math.inf
-        part = INTERVAL_PART / self.confidence_sigmas
+        part = INTERVAL_PART / self.required_sigmas
         return part * self.position_tolerance, part * self.heading_tolerance
 
     def assumed_covariance(self, odometry: Odometry) -> PoseCovariance | None:

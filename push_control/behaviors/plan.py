@@ -10,7 +10,7 @@ from push_control.events import PerceptionEvent, TaskEvent
 from push_control.goal import TaskFailure, TaskGoal
 from push_control.perception.object_at_rest import ObjectAtRest
 from push_control.perception.perception import TaskPerception
-from push_control.perception.view import UNSEEN_TIME, View
+from push_control.perception.view import UNSEEN_TIME
 from push_model.events import AnyReport
 from push_model.geometry import distance, Pose
 from push_model.plan_request import PlanRequest
@@ -56,7 +56,7 @@ class PlanBehavior(Behavior[TaskPerception]):
         self._motion: AnyReport | None = None
         # Since when it stands here [s].
         self._started_at: float | None = None
-        if View.from_settings(context.supervision).is_limited:
+        if context.supervision.has_limited_view:
             # Without a pose it looks for the object.
             self.measurement_need = MeasurementNeed.ODOMETRY
         progress.rest_clock.end_wait()

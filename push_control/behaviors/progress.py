@@ -7,7 +7,8 @@ from typing import NamedTuple
 from push_control.events import no_plan, TaskEvent
 from push_control.goal import TaskFailure
 from push_control.perception.object_at_rest import has_moved, ObjectAtRest
-from push_control.supervision_settings import BIASED_SIGMAS, SupervisionSettings
+from push_control.supervision_settings import (
+    BIASED_SIGMAS, LIKELY_SIGMAS, SupervisionSettings)
 from push_model.events import AnyReport, Report
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.plan_request import PlanFailure, PlanRequest
@@ -300,7 +301,7 @@ class ProgressMonitor:
         position_error = distance(pose, goal)
         heading_error = abs(wrap_angle(pose.theta - goal.theta))
         error = self._relative_error(pose, goal)
-        sigmas = settings.confidence_sigmas
+        sigmas = settings.required_sigmas
         if object_at_rest.is_biased:
             sigmas = min(BIASED_SIGMAS, sigmas)
         position_margin = sigmas * object_at_rest.position_error
@@ -312,14 +313,27 @@ class ProgressMonitor:
                       or heading_error > settings.heading_tolerance + heading_margin)
         if not (is_certain or object_at_rest.is_biased or self._is_averaged(object_at_rest)):
             return GoalCheck.UNCERTAIN
-        if (object_at_rest.is_in_map and position_error <= MAP_AIM * settings.position_tolerance
-                and heading_error <= MAP_AIM * settings.heading_tolerance):
+        if self._is_likely_there(object_at_rest, position_error, heading_error):
             return GoalCheck.REACHED
         self._note_progress(error, remaining_time)
         if (object_at_rest.is_biased and position_error <= self.aim[0]
                 and heading_error <= self.aim[1]):
             return GoalCheck.UNSEEN
         return GoalCheck.MISSED
+
+    def _is_likely_there(self, object_at_rest: ObjectAtRest, position_error: float,
+                         heading_error: float) -> bool:
+        """Tell whether an object of which further poses tell no more counts as at its goal."""
+        settings = self.settings
+        if object_at_rest.is_in_map:
+            return (position_error <= MAP_AIM * settings.position_tolerance
+                    and heading_error <= MAP_AIM * settings.heading_tolerance)
+        sigmas = min(LIKELY_SIGMAS, settings.required_sigmas)
+        return (settings.has_limited_view and not object_at_rest.is_biased
+                and position_error
+                <= settings.position_tolerance - sigmas * object_at_rest.position_error
+                and heading_error
+                <= settings.heading_tolerance - sigmas * object_at_rest.heading_error)
 
     def _relative_error(self, pose: Pose, goal: Pose) -> float:
         """Return the error of an object over its tolerance."""

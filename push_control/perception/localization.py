@@ -8,7 +8,6 @@ from push_control.perception.ensemble.ensemble_state import OdometryNoise
 from push_control.perception.ensemble.push_ensemble import PushEnsemble
 from push_control.perception.map_corrections import has_lasting_errors, MapCorrections
 from push_control.perception.odometry_shift import OdometryShift
-from push_control.perception.view import View
 from push_control.settings import ControlSettings
 from push_control.supervision_settings import SupervisionSettings
 from push_model.contact import find_contact, NearestContact
@@ -194,6 +193,6 @@ def _odometry_noise(supervision: SupervisionSettings) -> OdometryNoise:
     if supervision.odometry_reference == 'absolute':
         return OdometryNoise(0.0, 0.0, supervision.odometry_walk,
                              supervision.odometry_heading_walk)
-    creep = CREEP_STD if View.from_settings(supervision).is_limited else 0.0
+    creep = CREEP_STD if supervision.has_limited_view else 0.0
     return OdometryNoise(supervision.odometry_scale, supervision.odometry_drift,
                          supervision.odometry_walk, supervision.odometry_heading_walk, creep)

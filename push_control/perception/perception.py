@@ -56,6 +56,7 @@ class TaskPerception(RawPerception):
         self.base = BaseModel(robot)
         self._since = since
         self.view = View.from_settings(supervision)
+        self._has_limited_view = supervision.has_limited_view
         # When poses were last not to be expected [s].
         self._unexpected_at = -math.inf
         self.localization = Localization(obj, robot, control, supervision)
@@ -156,7 +157,7 @@ class TaskPerception(RawPerception):
     @property
     def has_limited_view(self) -> bool:
         """Tell whether there are places from which the object is not seen."""
-        return self.view.is_limited
+        return self._has_limited_view
 
     @property
     def expects_pose(self) -> bool:

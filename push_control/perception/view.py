@@ -35,11 +35,6 @@ class View(NamedTuple):
         """Read the view that is stated."""
         return cls(supervision.view_angle, supervision.view_nearest, supervision.view_farthest)
 
-    @property
-    def is_limited(self) -> bool:
-        """Tell whether there are places from which the object is not seen."""
-        return self != View()
-
     def expects(self, robot: Pose, obj: Pose, gap: float, position_std: float = 0.0,
                 heading_std: float = 0.0) -> bool:
         """

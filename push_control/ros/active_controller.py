@@ -10,7 +10,6 @@ from typing import Any, Callable
 from builtin_interfaces.msg import Time
 from push_control.events import TaskEvent
 from push_control.goal import GoalOutcome
-from push_control.perception.view import View
 from push_control.ros.base_check import BaseCheck, BaseFault
 from push_control.ros.command_gate import CommandGate
 from push_control.ros.commands import CommandPublisher
@@ -315,7 +314,7 @@ class ActiveController:
     @property
     def _missing_topics(self) -> list[str]:
         """Topics without which no task begins: an object that is out of view is looked for."""
-        is_limited = View.from_settings(self._parameters.supervision).is_limited
+        is_limited = self._parameters.supervision.has_limited_view
         return [topic for topic in self._latest.missing
                 if not (is_limited and topic == 'object_pose')]
 

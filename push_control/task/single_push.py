@@ -8,7 +8,6 @@ from push_control.behaviors.retreat import Retreat
 from push_control.behaviors.single_push import PromptPlan, SinglePush
 from push_control.goal import TaskGoal
 from push_control.perception.raw_perception import RawPerception
-from push_control.perception.view import View
 from push_control.settings import ControlSettings
 from push_control.steered.rehearsal import rehearsal_plan
 from push_control.supervision_settings import SupervisionSettings
@@ -36,7 +35,7 @@ class SinglePushBehaviors(BehaviorFactory):
 
         :raises ValueError: where the object is not seen from everywhere.
         """
-        if View.from_settings(supervision).is_limited:
+        if supervision.has_limited_view:
             raise ValueError(
                 'supervision.view_angle, view_nearest, view_farthest: got a limited view, '
                 'expected none: a single push needs poses all along, a task does not')

@@ -41,7 +41,7 @@ def test_the_camera_sees_the_object_where_poses_are_expected(sensors):
 def test_without_a_camera_the_view_has_no_limits():
     sensors = SensorSettings(pose_rate=10.0, pose_latency=0.2)
     task = with_sensors(SCENARIO, sensors)
-    assert not View.from_settings(task.task.supervision).is_limited
+    assert not task.task.supervision.has_limited_view
     assert task.sensors == sensors and task.control.pose_timeout == pytest.approx(0.5)
 
 

@@ -14,7 +14,7 @@ ORIGIN = Pose(0.0, 0.0, 0.0)
 
 def test_by_default_poses_are_expected_everywhere():
     view = View.from_settings(SupervisionSettings())
-    assert not view.is_limited
+    assert not SupervisionSettings().has_limited_view
     for heading in (0.0, 1.0, math.pi, -2.0):
         assert view.expects(Pose(0.0, 0.0, heading), OBJECT, -0.01, 1.0, 1.0)
 
@@ -22,7 +22,7 @@ def test_by_default_poses_are_expected_everywhere():
 @pytest.mark.parametrize('name, value', [
     ('view_angle', 1.0), ('view_nearest', 0.1), ('view_farthest', 5.0)])
 def test_each_setting_limits_the_view(name, value):
-    assert View.from_settings(SupervisionSettings(**{name: value})).is_limited
+    assert SupervisionSettings(**{name: value}).has_limited_view
 
 
 @pytest.mark.parametrize('motion', [Pose(3.0, -2.0, 2.5), Pose(-1.0, 4.0, -3.0)])
