@@ -117,28 +117,9 @@ def test_in_a_map_nothing_is_touched(tmp_path):
     assert measure(result).within_map
 
 
-def test_an_object_that_is_not_seen_from_nearby_arrives(tmp_path):
-    """Every push begins within the gap at which poses come no more, and is followed by a look."""
-    result = run_over_dds(scenario('task_near'), None, tmp_path, record=False)
-    assert result.outcome is Outcome.DONE and is_as_expected(result)
-    states = [change.state for change in result.history]
-    assert states.count(TaskState.LOOK) >= states.count(TaskState.PUSH) == result.pushes
-
-
 def test_a_camera_on_the_robot_finds_the_object_and_brings_it_to_its_goal(tmp_path):
     """The object is behind the robot at first; its poses are relative to the robot."""
     result = run_over_dds(scenario('task_own_camera'), None, tmp_path, record=False)
     assert result.outcome is Outcome.DONE and is_as_expected(result)
     states = [change.state for change in result.history]
     assert states.index(TaskState.LOOK) < states.index(TaskState.APPROACH)
-
-
-def test_a_camera_on_the_robot_looks_where_there_is_room(tmp_path):
-    """In a room with walls: neither the search nor a retreat for a look touches one."""
-    result = run_over_dds(scenario('task_own_camera_map', time_limit=16.0), None, tmp_path,
-                          record=False)
-    assert result.outcome is Outcome.TIME_LIMIT
-    states = [change.state for change in result.history]
-    assert states.index(TaskState.LOOK) < states.index(TaskState.PUSH)
-    assert states.count(TaskState.LOOK) == 2
-    assert measure(result).within_map

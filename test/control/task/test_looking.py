@@ -87,11 +87,10 @@ def test_each_retreat_ends_in_a_look_and_each_look_in_a_plan(drive):
         assert (after is TaskState.DONE) <= (before is TaskState.PLAN)
 
 
-@pytest.mark.parametrize('drive', DRIVES)
-def test_a_task_begins_with_a_search_where_the_object_is_behind_the_robot(drive):
+def test_a_task_begins_with_a_search_where_the_object_is_behind_the_robot():
     """It has not been seen at all then."""
     camera = dataclasses.replace(CAMERA, reference='robot')
-    result = simulate(scenario(drive, camera=camera, robot_heading=0.3))
+    result = simulate(scenario('differential', camera=camera, robot_heading=0.3))
     assert states(result)[:3] == [TaskState.PLAN, TaskState.LOOK, TaskState.PLAN]
     assert TaskState.PUSH in states(result)
 
@@ -106,11 +105,10 @@ def test_a_task_ends_where_the_object_is_nowhere():
     assert np.ptp(np.unwrap(result.tape['robot_theta'])) > 2.0 * math.pi
 
 
-@pytest.mark.parametrize('drive', DRIVES)
-def test_an_object_that_is_carried_off_meanwhile_is_looked_for(drive):
+def test_an_object_that_is_carried_off_meanwhile_is_looked_for():
     """While the robot drives to where it was."""
-    task = scenario(drive)
-    plain = looked(drive)
+    task = scenario('holonomic')
+    plain = looked('holonomic')
     begin = next(c.time for c in plain.history if c.state is TaskState.APPROACH)
     moved = dataclasses.replace(task, simulation=dataclasses.replace(
         task.simulation, object_displacements=(ObjectDisplacement(begin + 0.5, -0.7, -0.6, 1.0),)))
