@@ -23,8 +23,6 @@ STANDING = 1e-3
 TASK = 'task: '
 PLANNED = f'{TASK}push', f'{TASK}approach'
 ENDED = f'{TASK}done'
-# Goals in a row, each after the first as soon as the simulator says that it was put back.
-GOALS = 3
 
 
 def parameters(name, *, task, is_simulated):
@@ -115,8 +113,9 @@ def simulation(request, is_simulated, tmp_path):
         yield Simulation(b)
 
 
-def test_goals_in_a_row_are_reached_after_a_reset_each(simulation):
-    """None is taken for reached by an object pose of before."""
-    for _ in range(GOALS):
-        simulation.reach_goal()
-        simulation.reset()
+def test_a_goal_is_reached_again_after_a_reset(simulation):
+    """The second one is given as soon as the simulator says that it was put back."""
+    simulation.reach_goal()
+    simulation.reset()
+    # It is not taken for reached by an object pose of before.
+    simulation.reach_goal()

@@ -61,12 +61,12 @@ class Robot:
                 for status in message.status if status.name == name]
 
     def wait_for_inputs(self, *words):
-        """Wait until the inputs are a warning with some words; return its values."""
-        def is_named():
-            return any(status.level == WARN and all(word in status.message for word in words)
-                       for status in self.statuses(INPUTS))
-        self.b.wait_until(is_named)
-        return status_values(self.statuses(INPUTS)[-1])
+        """Wait until the inputs are a warning with some words; return the values of the first."""
+        def naming():
+            return [status for status in self.statuses(INPUTS) if status.level == WARN
+                    and all(word in status.message for word in words)]
+        self.b.wait_until(naming)
+        return status_values(naming()[0])
 
     def give_goal(self):
         """Give the goal."""
@@ -93,8 +93,7 @@ def test_a_setting_without_effect_is_named_once_in_the_log(tmp_path):
     assert 'control.horizon_steps: set without effect, as control.control_law is feedback' in log
 
 
-@pytest.mark.parametrize('task', [False, True])
-@pytest.mark.parametrize('topic', ['odom', 'object_pose'])
+@pytest.mark.parametrize('topic, task', [('odom', False), ('object_pose', True)])
 def test_a_misspelt_topic_is_named_with_what_may_be_meant(tmp_path, topic, task):
     """Since when, and that nobody publishes it; with the next message that is over."""
     with controller(tmp_path, task=task) as b:
@@ -108,7 +107,7 @@ def test_a_misspelt_topic_is_named_with_what_may_be_meant(tmp_path, topic, task)
     assert log.count(f'waits for /{topic}: 0 publishers; /{topic}s would have') == 1
 
 
-@pytest.mark.parametrize('topic, kind, qos, words', [
+UNREACHABLE = [
     ('odom', TwistStamped, 10,
      ('1 publisher: /bench publishes geometry_msgs/msg/TwistStamped, expected nav_msgs',)),
     ('object_pose', PoseWithCovarianceStamped, 10,
@@ -117,16 +116,19 @@ def test_a_misspelt_topic_is_named_with_what_may_be_meant(tmp_path, topic, task)
      ('/goal_pose: 1 publisher: /bench offers', 'Best effort publisher and reliable')),
     ('map', OccupancyGrid, QoSProfile(depth=1, reliability=RELIABLE,
                                       durability=DurabilityPolicy.VOLATILE),
-     ('/map: 1 publisher: /bench offers', 'olatile publisher and transient local'))])
-def test_a_publisher_that_cannot_reach_the_node_is_named(tmp_path, topic, kind, qos, words):
-    """With its type or quality of service, and what is expected."""
+     ('/map: 1 publisher: /bench offers', 'olatile publisher and transient local'))]
+
+
+def test_publishers_that_cannot_reach_the_node_are_named(tmp_path):
+    """Each with its type or quality of service, and what is expected."""
     with controller(tmp_path, task=True) as b:
-        topics = {topic: f'not_{topic}'} if topic in ('odom', 'object_pose') else {}
-        robot = Robot(b, **topics)
-        b.node.create_publisher(kind, topic, qos)
-        values = robot.wait_for_inputs(*words)
-        assert values[f'{topic}.publishers'] == '1'
-        assert float(values[f'{topic}.since']) < NAMED_WITHIN
+        robot = Robot(b, 'not_odom', 'not_object_pose')
+        for topic, kind, qos, _ in UNREACHABLE:
+            b.node.create_publisher(kind, topic, qos)
+        for topic, _, _, words in UNREACHABLE:
+            values = robot.wait_for_inputs(*words)
+            assert values[f'{topic}.publishers'] == '1'
+            assert float(values[f'{topic}.since']) < NAMED_WITHIN
 
 
 def test_a_task_that_needs_a_map_stands_and_names_it(tmp_path):
