@@ -77,6 +77,8 @@ BT::NodeStatus PushObjectAction::on_cancelled()
   if (result_.result) {
     write_result();
   }
+  // The action has no code for it, and 0 tells trees that the object is at its goal.
+  write_error(Result::UNKNOWN, "the push was cancelled");
   return BT::NodeStatus::FAILURE;
 }
 

@@ -188,7 +188,7 @@ TEST_F(PushObjectTest, fails_with_the_code_and_the_numbers_of_the_result)
 
 TEST_F(PushObjectTest, sends_no_goal_that_it_cannot_read)
 {
-  for (const std::string ports : {
+  for (const std::string & ports : {
       std::string(), std::string(POSE) + "time_limit=\"-1\"",
       std::string(POSE) + "position_tolerance=\"{nothing}\""})
   {
@@ -223,6 +223,7 @@ TEST_F(PushObjectTest, cancels_when_halted)
   }
   push.haltTree();
   EXPECT_TRUE(server->was_cancelled);
+  EXPECT_EQ(blackboard->get<uint16_t>("code"), PushObject::Result::UNKNOWN);
 }
 
 }  // namespace
