@@ -28,15 +28,17 @@ if TYPE_CHECKING:
     from push_scenario.parallel import progress_bar, run_many, simulate_many
     from push_scenario.plots.animation import draw_animation
     from push_scenario.plots.figure import draw_figure
+    from push_scenario.recordings.series import read_recording, Series
     from push_scenario.simulation.loop import Progress, simulate
     from push_scenario.simulation.result import Outcome, RunResult
+    from push_sim_node.tape import read_tape, Tape
 
 __all__ = [
     'GoalBounds', 'draw_animation', 'draw_figure', 'format_report', 'is_as_expected', 'LaterGoal',
     'load_scenario', 'measure', 'Metrics', 'Outcome', 'ParameterFileError', 'Placement',
-    'Progress', 'progress_bar', 'read_object', 'read_robot', 'run_many', 'RunResult', 'Scenario',
-    'scenario_from_text', 'scenario_names', 'scenario_text', 'simulate', 'simulate_many', 'Start',
-    'Task',
+    'Progress', 'progress_bar', 'read_object', 'read_recording', 'read_robot', 'read_tape',
+    'run_many', 'RunResult', 'Scenario', 'scenario_from_text', 'scenario_names', 'scenario_text',
+    'Series', 'simulate', 'simulate_many', 'Start', 'Tape', 'Task',
 ]
 
 __getattr__, __dir__ = lazy_names(__name__, {
@@ -52,6 +54,8 @@ __getattr__, __dir__ = lazy_names(__name__, {
     'push_scenario.parallel': ('progress_bar', 'run_many', 'simulate_many'),
     'push_scenario.plots.animation': ('draw_animation',),
     'push_scenario.plots.figure': ('draw_figure',),
+    'push_scenario.recordings.series': ('read_recording', 'Series'),
     'push_scenario.simulation.loop': ('Progress', 'simulate'),
     'push_scenario.simulation.result': ('Outcome', 'RunResult'),
+    'push_sim_node.tape': ('read_tape', 'Tape'),
 })

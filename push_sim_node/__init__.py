@@ -11,11 +11,12 @@ from push_sim_node.plant import Plant
 from push_sim_node.sensors import SensorSettings
 from push_sim_node.settings import SimulationSettings
 from push_sim_node.simulation import Simulation
-from push_sim_node.tape import Tape
+from push_sim_node.tape import read_tape, Tape
 from push_sim_node.truth import ContactMode, Energy, Truth
 
 __all__ = [
     'CameraSettings', 'ContactMode', 'Energy', 'FloorPatch', 'FrictionChange',
-    'ObjectDisplacement', 'Plant', 'SensorSettings', 'Simulation', 'SimulationSettings', 'Tape',
+    'ObjectDisplacement', 'Plant', 'read_tape', 'SensorSettings', 'Simulation',
+    'SimulationSettings', 'Tape',
     'Truth',
 ]

@@ -103,25 +103,25 @@ class Tape:
         """
         write_whole(Path(path), self.to_bytes())
 
-    @classmethod
-    def load(cls, path: str | PathLike[str]) -> 'Tape':
-        """
-        Read a tape that ``save`` wrote.
 
-        :param path: the file.
-        :raises ValueError: naming the file and the line that is wrong.
-        """
-        with open(path, newline='', encoding='utf-8') as file:
-            lines = list(csv.reader(file))
-        if len(lines) < 2:
-            raise ValueError(f'{path}: got {len(lines)} lines, expected names and numbers')
-        rows: list[list[float]] = []
-        for number, line in enumerate(lines[1:], 2):
-            try:
-                rows.append([float(value) for value in line])
-            except ValueError as error:
-                raise ValueError(f'{path}:{number}: {error}, expected numbers') from error
-            if len(line) != len(lines[0]):
-                raise ValueError(f'{path}:{number}: got {len(line)} numbers, expected '
-                                 f'{len(lines[0])}')
-        return cls(tuple(lines[0]), np.array(rows))
+def read_tape(path: str | PathLike[str]) -> Tape:
+    """
+    Read a tape that ``Tape.save`` wrote.
+
+    :param path: the file.
+    :raises ValueError: naming the file and the line that is wrong.
+    """
+    with open(path, newline='', encoding='utf-8') as file:
+        lines = list(csv.reader(file))
+    if len(lines) < 2:
+        raise ValueError(f'{path}: got {len(lines)} lines, expected names and numbers')
+    rows: list[list[float]] = []
+    for number, line in enumerate(lines[1:], 2):
+        try:
+            rows.append([float(value) for value in line])
+        except ValueError as error:
+            raise ValueError(f'{path}:{number}: {error}, expected numbers') from error
+        if len(line) != len(lines[0]):
+            raise ValueError(f'{path}:{number}: got {len(line)} numbers, expected '
+                             f'{len(lines[0])}')
+    return Tape(tuple(lines[0]), np.array(rows))

@@ -10,7 +10,7 @@ from push_scenario.definition.scenario import Scenario
 from push_scenario.simulation.history import single_push_history
 from push_scenario.simulation.loop import REST_SPEED, REST_YAW_RATE, SETTLE_TIME
 from push_scenario.simulation.result import Outcome, RunResult, WallClockTiming
-from push_sim_node.tape import Tape
+from push_sim_node.tape import read_tape, Tape
 
 
 def collect_result(scenario: Scenario, control_law: str, monitor: RunMonitor, tape_path: Path,
@@ -26,7 +26,7 @@ def collect_result(scenario: Scenario, control_law: str, monitor: RunMonitor, ta
     if end is None or end.time > scenario.time_limit:
         limit = scenario.time_limit
         end = RunEnd(Outcome.TIME_LIMIT, f'not done after {limit:g} s', limit)
-    tape, timing = _until_rest(Tape.load(tape_path), end.time), _read_timing(tape_path)
+    tape, timing = _until_rest(read_tape(tape_path), end.time), _read_timing(tape_path)
     if scenario.task is None:
         return RunResult(scenario, control_law, end.outcome, end.reason, tape, end.time,
                          single_push_history(*end), plan=monitor.plan, timing=timing, bag=bag,

@@ -47,7 +47,7 @@ def open_bag(bag: Path) -> Generator[Any, None, None]:
     try:
         with AnyReader([bag], default_typestore=get_typestore(Stores.ROS2_JAZZY)) as reader:
             yield reader
-    except AnyReaderError as error:
+    except (AnyReaderError, FileNotFoundError) as error:
         raise ValueError(f'bag: got {bag}, expected a rosbag2 recording: {error}') from None
 
 

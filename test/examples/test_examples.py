@@ -7,7 +7,9 @@ from pathlib import Path
 import sys
 
 from helpers.architecture import ROOT
+from helpers.extras import import_extra
 import matplotlib
+import numpy as np
 import pytest
 
 EXAMPLES = ROOT / 'examples'
@@ -26,6 +28,7 @@ SCRIPTS = {
 SMALLER = {'08_monte_carlo': {'RUNS': 1}}
 # Run beside the nodes that it needs, by test/ros/test_commander.py.
 WITH_NODES = ['05_commander', '06_mission']
+OF_A_RECORDING = '09_read_a_recording'
 NOTEBOOK = json.loads((EXAMPLES / 'plan_a_push.ipynb').read_text(encoding='utf-8'))
 CODE_CELLS = [cell for cell in NOTEBOOK['cells'] if cell['cell_type'] == 'code']
 
@@ -57,10 +60,11 @@ def load(name):
 
 def test_every_script_is_run():
     """No example is left out."""
-    assert sorted([*SCRIPTS, *WITH_NODES]) == sorted(path.stem for path in EXAMPLES.glob('*.py'))
+    names = [*SCRIPTS, *WITH_NODES, OF_A_RECORDING]
+    assert sorted(names) == sorted(path.stem for path in EXAMPLES.glob('*.py'))
 
 
-@pytest.mark.parametrize('name', [*SCRIPTS, *WITH_NODES])
+@pytest.mark.parametrize('name', [*SCRIPTS, *WITH_NODES, OF_A_RECORDING])
 def test_examples_are_short(name):
     """What an example shows takes ten lines or so, docstrings and blank lines aside."""
     body = (EXAMPLES / f'{name}.py').read_text(encoding='utf-8').partition('def main')[2]
@@ -80,6 +84,17 @@ def test_a_script_runs(name, tmp_path, monkeypatch, capsys):
     printed, written = SCRIPTS[name]
     assert printed in capsys.readouterr().out
     assert sorted(path.name for path in tmp_path.glob('out/*')) == written
+
+
+def test_a_recording_is_read(tmp_path, capsys):
+    """The way of the object is that of the poses."""
+    write_bag = import_extra('rosbags', 'record', 'helpers.bags').write_bag
+    times = np.arange(11)
+    poses = np.stack([0.3 * times, 0.4 * times, 0.1 * times], axis=1)
+    write_bag(tmp_path / 'bag', [(times, 0.0 * poses), (times, poses)],
+              import_extra('rosbags', 'record', 'rosbags.rosbag2').StoragePlugin.MCAP)
+    load(OF_A_RECORDING).main(tmp_path / 'bag')
+    assert 'object in odom: 5.00 m from its start, turned by +57.3' in capsys.readouterr().out
 
 
 @pytest.mark.slow

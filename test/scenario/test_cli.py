@@ -15,7 +15,7 @@ from push_scenario.cli import main
 from push_scenario.definition.catalogue import find_scenario, scenario_names
 from push_scenario.definition.loader import read_scenario, scenario_text
 from push_scenario.interrupts import Interrupts
-from push_sim_node.tape import Tape
+from push_sim_node.tape import read_tape
 from push_view import report
 import pytest
 
@@ -71,7 +71,7 @@ def test_a_run_that_arrives_ends_with_status_0_and_leaves_its_tape(tmp_path, cap
     out = tmp_path / 'out'
     assert {path.name for path in out.iterdir()} == {'straight_push.yaml',
                                                      'straight_push_feedback.csv'}
-    tape = Tape.load(out / 'straight_push_feedback.csv')
+    tape = read_tape(out / 'straight_push_feedback.csv')
     assert tape['object_x'][-1] == pytest.approx(1.0, abs=0.01)
     assert read_scenario(out / 'straight_push.yaml') == read_scenario(
         find_scenario('straight_push'))

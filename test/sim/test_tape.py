@@ -4,7 +4,7 @@ import math
 
 from helpers.disk import full_disk
 import numpy as np
-from push_sim_node.tape import Tape
+from push_sim_node.tape import read_tape, Tape
 import pytest
 
 
@@ -17,7 +17,7 @@ def sample():
 def test_file_keeps_every_bit(tmp_path):
     tape = sample()
     tape.save(tmp_path / 'tape.csv')
-    again = Tape.load(tmp_path / 'tape.csv')
+    again = read_tape(tmp_path / 'tape.csv')
     assert again.columns == tape.columns
     assert again.rows.shape == (3, 3)
     assert again.rows.tobytes() == tape.rows.tobytes()
@@ -80,4 +80,4 @@ def test_broken_file_is_told_by_line(tmp_path, text, words):
     path = tmp_path / 'tape.csv'
     path.write_text(text)
     with pytest.raises(ValueError, match=words):
-        Tape.load(path)
+        read_tape(path)
