@@ -26,7 +26,7 @@ ifdef ROS_DISTRO
 unexport LD_LIBRARY_PATH
 endif
 
-.PHONY: help demo play develop faults fuzz test test-fast lint lint-style lint-types docs lock clean
+.PHONY: help demo play develop faults fuzz test test-fast lint lint-style lint-types docs pictures lock clean
 .DEFAULT_GOAL := help
 
 help: ## list the targets
@@ -64,6 +64,11 @@ lint-types: .venv/linters
 
 docs: .venv/docs ## the documentation as a site with search: out/docs/index.html
 	$(BIN)/python -m sphinx --quiet --fail-on-warning --keep-going docs out/docs
+
+pictures: .venv/developed ## draw the pictures of runs, of a contact and of the page in docs; needs chromium
+	$(BIN)/python -m docs.tools.pictures
+	$(BIN)/python -m docs.tools.one_contact
+	$(BIN)/python -m benchmarks.page.picture docs/page.png
 
 UV_COMPILE := build/lock/bin/uv pip compile --quiet --universal --python-version 3.10 --no-annotate \
 	--custom-compile-command 'make lock'

@@ -1,7 +1,6 @@
 """Animation of runs of a scenario, side by side, some seconds long, as a GIF."""
 
 from collections.abc import Sequence
-import math
 from os import PathLike
 
 from matplotlib.animation import PillowWriter
@@ -14,16 +13,19 @@ from push_control.law_names import law_title
 from push_control.task.status import TaskState
 from push_scenario.evaluation.metrics import bounds_missed
 from push_scenario.plots.drawing import (
-    draw_goals, draw_map, draw_object, draw_robot, front, INK, NO_PUSH, outline, PLAN_STYLE,
-    ROBOT_PATH_STYLE, segments_of, set_view, StateRows, tape_of, WARNING,
+    draw_goals, draw_map, draw_object, INK, NO_PUSH, PLAN_STYLE, ROBOT_PATH_STYLE, segments_of,
+    set_view, StateRows, tape_of, WARNING,
 )
+from push_scenario.plots.moving_bodies import ShadedObject, WheeledRobot
 from push_scenario.simulation.result import RunResult
 
 # Frames that move, frames that hold the end, and frames per second: 11.5 s in all.
 FRAMES, FINAL_FRAMES, FRAME_RATE = 120, 18, 12
 # Longer side of a panel, least width for its title, height of title and clock [inch].
-PANEL_SIZE, MIN_PANEL_WIDTH, RIM_HEIGHT = 5.6, 4.2, 0.8
+PANEL_SIZE, MIN_PANEL_WIDTH, RIM_HEIGHT = 8.0, 5.0, 1.0
 DPI = 80
+TITLE_SIZE, CLOCK_SIZE = 16, 12
+FLOOR, RIM = '#F6F4EF', '#D8D4C8'
 VIEW_MARGIN = 0.06  # free rim around everything that moves [m]
 # How long the reason of a failure stays in the title [s], and how many characters fit there.
 REASON_TIME = 2.0
@@ -52,7 +54,7 @@ def draw_animation(results: Sequence[RunResult], path: str | PathLike[str]) -> N
     figure.set_size_inches(max(MIN_PANEL_WIDTH, scale * width) * len(results),
                            scale * height + RIM_HEIGHT)
     figure.subplots_adjust(left=0.01, right=0.99, top=0.92, bottom=0.07, wspace=0.02)
-    clock = figure.text(0.5, 0.02, '', ha='center', fontsize=10, color=INK)
+    clock = figure.text(0.5, 0.02, '', ha='center', fontsize=CLOCK_SIZE, color=INK)
     end = max(tape_of(result)['time'][-1] for result in results)
     speed_up = end * FRAME_RATE / FRAMES
     writer = PillowWriter(fps=FRAME_RATE)
@@ -74,6 +76,8 @@ class _Panel:
         self._tape = tape_of(result)
         self._segments = segments_of(result)
         self._is_missed = bool(bounds_missed(result))
+        # Several runs are told apart by their laws.
+        self._law = f'{law_title(result.control_law)}: ' if len(results) > 1 else ''
         start = self._tape.poses('object')[0]
         draw_map(axes, result.scenario)
         draw_object(axes, result.scenario.object, start, facecolor='#F1F1F1',
@@ -84,13 +88,12 @@ class _Panel:
         self._robot_path, = axes.plot([], [], **ROBOT_PATH_STYLE, zorder=3)
         self._push_paths = [axes.plot([], [], color=segment.color, linewidth=2.6, zorder=7)[0]
                             for segment in self._segments]
-        self._object = draw_object(axes, result.scenario.true_object, start, linewidth=1.8,
-                                   zorder=6)
-        self._robot = draw_robot(axes, result.scenario.true_robot.radius,
-                                 self._tape.poses('robot')[0], facecolor='#8A8A8A', edgecolor=INK,
-                                 linewidth=1.2, zorder=8)
+        self._object = ShadedObject(axes, result.scenario.true_object, start, zorder=6)
+        self._robot = WheeledRobot(axes, result.scenario.true_robot, zorder=8)
         set_view(axes, results, VIEW_MARGIN)
-        axes.set_axis_off()
+        axes.set(xticks=[], yticks=[], facecolor=FLOOR)
+        for spine in axes.spines.values():
+            spine.set_color(RIM)
 
     def show(self, time: float) -> None:
         """Move everything to a time [s]."""
@@ -103,7 +106,8 @@ class _Panel:
         for artist in self._goals:
             artist.remove()
         self._goals = draw_goals(self._axes, self._result.scenario, time)
-        self._place_bodies(row, segment.color)
+        self._object.move(self._tape.poses('object')[row])
+        self._robot.move(self._tape.poses('robot')[row])
 
     def _extend_push_paths(self, row: int) -> StateRows:
         """Draw the path of the object in each push up to a row; return the present segment."""
@@ -120,31 +124,17 @@ class _Panel:
         time = self._tape['time']
         is_recent = time[row] < time[segment.rows.start] + REASON_TIME
         if segment.reason and is_recent:
-            self._axes.set_title(_shortened(segment.reason), fontsize=11, color=WARNING)
+            self._axes.set_title(_shortened(segment.reason), fontsize=TITLE_SIZE, color=WARNING)
             return
         if segment.state is TaskState.DONE and self._is_missed:
-            self._axes.set_title(f'{law_title(self._result.control_law)}: missed the goal',
-                                 fontsize=11, color=WARNING)
+            self._axes.set_title(f'{self._law}missed the goal', fontsize=TITLE_SIZE,
+                                 color=WARNING)
             return
         activity = ACTIVITIES[segment.state]
         if segment.push is not None and self._result.scenario.task is not None:
-            activity = f'push {segment.push + 1}'
-        self._axes.set_title(f'{law_title(self._result.control_law)}: {activity}', fontsize=11,
+            activity = f'push {segment.push + 1} of {self._result.pushes}'
+        self._axes.set_title(f'{self._law}{activity}', fontsize=TITLE_SIZE,
                              color=INK if segment.color == NO_PUSH else segment.color)
-
-    def _place_bodies(self, row: int, color: str) -> None:
-        obj, radius = self._result.scenario.true_object, self._result.scenario.true_robot.radius
-        pose = self._tape.poses('object')[row]
-        body, front_line = self._object
-        body.set_xy(outline(obj, pose))
-        body.set(facecolor=color + '40', edgecolor=color)
-        front_line.set_data(*front(obj, pose))
-        front_line.set_color(color)
-        x, y, theta = self._tape.poses('robot')[row]
-        disc, heading_line = self._robot
-        disc.center = x, y
-        heading_line.set_data([x, x + radius * math.cos(theta)],
-                              [y, y + radius * math.sin(theta)])
 
 
 def _shortened(text: str) -> str:

@@ -167,8 +167,9 @@ def _scene(axes: Axes, result: RunResult) -> None:
         f'{scenario.name.replace("_", " ")}, {law_title(result.control_law)}\n'
         f'{verdict(result)} after {result.duration:.1f} s, '
         f'{_millimetres(result.position_error)} and '
-        f'{abs(math.degrees(result.heading_error)):.1f}° from the goal (bounds '
-        f'{_millimetres(bounds.position_error)} and {math.degrees(bounds.heading_error):.1f}°)',
+        f'{abs(math.degrees(result.heading_error)):.1f}° from the goal\n'
+        f'bounds: {_millimetres(bounds.position_error)} and '
+        f'{math.degrees(bounds.heading_error):.1f}°',
         loc='left', fontsize=11, color=WARNING if is_missed else INK)
 
 

@@ -10,6 +10,7 @@ import subprocess
 import sys
 from xml.etree import ElementTree
 
+from docs.tools.pictures import pictured
 from PIL import Image
 from push_scenario.cli import main
 from push_scenario.definition.catalogue import find_scenario, scenario_names
@@ -122,15 +123,18 @@ def test_a_run_that_misses_its_bounds_ends_with_status_1(tmp_path):
 def test_closed_loops_decide_where_laws_are_compared(tmp_path, capsys):
     laws = ('--law', 'mpc', '--law', 'feedback', '--law', 'open_loop')
     assert replay(tmp_path, 'corner_push_mismatch', *laws, '--no-pictures') == 0
-    header = capsys.readouterr().out.splitlines()[1]
-    assert header.split() == ['mpc', 'feedback', 'open', 'loop', 'bound']
+    headlines, table = capsys.readouterr().out.split('\n\n')[:2]
+    assert table.splitlines()[0].split() == ['corner_push_mismatch', 'mpc', 'feedback', 'open',
+                                             'loop', 'bound']
+    for law in ('mpc', 'feedback', 'open_loop'):
+        assert pictured('corner_push_mismatch', law) in ' '.join(headlines.split())
 
 
 @pytest.mark.slow
 def test_a_task_is_reported_and_drawn(tmp_path, capsys):
     assert replay(tmp_path, 'task_tap') == 0
     printed = capsys.readouterr().out
-    assert 'pushes' in printed and 'time of a correcting push' in printed
+    assert 'pushes' in printed and 'time of a correcting push' not in printed
     for suffix in ('png', 'html'):
         assert (tmp_path / 'out' / f'task_tap.{suffix}').is_file()
     assert not (tmp_path / 'out' / 'task_tap.gif').exists()
@@ -197,6 +201,7 @@ def test_without_ros_a_replay_runs_in_one_process_and_says_so(tmp_path, capsys, 
 def test_demo_takes_several_pushes_and_leaves_page_picture_and_animation(tmp_path, capsys):
     assert replay(tmp_path, '--demo', '--gif') == 0
     table = capsys.readouterr().out
+    assert ' '.join(table.split()).startswith(pictured('task_demo', 'feedback'))
     assert int(re.search(r'^pushes +(\d+)', table, re.MULTILINE)[1]) >= 2
     with Image.open(tmp_path / 'out' / 'demo.png') as picture:
         assert picture.format == 'PNG' and min(picture.size) > 700

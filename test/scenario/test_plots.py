@@ -111,7 +111,7 @@ def test_a_missed_goal_is_drawn_in_the_colour_of_warnings(tmp_path):
     axes = figure.add_subplot()
     _scene(axes, missed_run())
     title = axes.get_title(loc='left')
-    assert 'missed after 9.0 s, 1000 mm' in title and '(bounds 10.0 mm' in title
+    assert 'missed after 9.0 s, 1000 mm' in title and 'bounds: 10.0 mm' in title
     assert axes._left_title.get_color() == WARNING
     colors = {to_hex(patch.get_facecolor()) for patch in axes.patches}
     assert to_hex(GOAL) not in colors and to_hex(WARNING) in colors

@@ -1,0 +1,58 @@
+"""
+Draw the pictures of runs in the docs: ``python -m docs.tools.pictures``.
+
+It simulates their scenarios in this process, and writes how each run ended to ``pictures.json``,
+which tests compare with runs of their own.
+"""
+
+import json
+from pathlib import Path
+import sys
+
+from push_scenario.definition.loader import load_scenario
+from push_scenario.evaluation.headline import headline
+from push_scenario.plots.animation import draw_animation
+from push_scenario.plots.figure import draw_figure, draw_floor
+from push_scenario.simulation.loop import simulate
+from push_scenario.simulation.result import RunResult
+
+DOCS = Path(__file__).resolve().parents[1]
+RECORD = DOCS / 'pictures.json'
+# Scenarios in pictures, and their laws.
+RUNS = {'task_demo': ('feedback',), 'task_flat': ('feedback',),
+        'corner_push_mismatch': ('open_loop', 'feedback', 'mpc')}
+
+
+def main() -> int:
+    """Run the scenarios, and draw them."""
+    runs = {name: [_simulated(name, law) for law in laws] for name, laws in RUNS.items()}
+    draw_animation(runs['task_demo'], DOCS / 'demo.gif')
+    draw_figure(runs['corner_push_mismatch'], DOCS / 'laws.png')
+    draw_floor(runs['task_flat'][0], DOCS / 'concepts' / 'flat.png')
+    draw_animation(runs['task_flat'], DOCS / 'concepts' / 'flat.gif')
+    record = {name: {result.control_law: headline(result) for result in results}
+              for name, results in runs.items()}
+    RECORD.write_text(json.dumps(record, indent=2) + '\n', encoding='utf-8')
+    print(f'written: demo.gif, laws.png, concepts/flat.png, concepts/flat.gif, {RECORD.name}')
+    return 0
+
+
+def pictured(name: str, law: str) -> str:
+    """
+    Look up how the run ended that a picture shows.
+
+    :param name: of the scenario.
+    :param law: of the run.
+    :return: as ``headline`` writes it.
+    """
+    return json.loads(RECORD.read_text(encoding='utf-8'))[name][law]
+
+
+def _simulated(name: str, law: str) -> RunResult:
+    # As over DDS in lockstep, time stands still while a task is planned.
+    scenario = load_scenario(name)
+    return simulate(scenario, law, planning_time=None if scenario.task is None else 0.0)
+
+
+if __name__ == '__main__':
+    sys.exit(main())
