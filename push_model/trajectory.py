@@ -99,6 +99,11 @@ class PushTrajectory:
     style: PushStyle = PushStyle.STEERED
     line: PushLine | None = None
 
+    def __repr__(self) -> str:
+        """Say in one line what it is."""
+        return (f'<PushTrajectory, {self.style.value}: {len(self.times)} samples over '
+                f'{self.times[-1]:.2f} s>')
+
     def __post_init__(self) -> None:
         """Check shapes and values, and freeze the arrays."""
         count = len(self.times)

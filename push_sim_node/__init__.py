@@ -17,6 +17,5 @@ from push_sim_node.truth import ContactMode, Energy, Truth
 __all__ = [
     'CameraSettings', 'ContactMode', 'Energy', 'FloorPatch', 'FrictionChange',
     'ObjectDisplacement', 'Plant', 'read_tape', 'SensorSettings', 'Simulation',
-    'SimulationSettings', 'Tape',
-    'Truth',
+    'SimulationSettings', 'Tape', 'Truth',
 ]

@@ -13,6 +13,7 @@ from push_model.parameters import Contact, PushedObject, RoundRobot, Support
 from push_model.trajectory import COLUMNS, PushStyle, PushTrajectory
 from push_planner.problem import InitialMotion, PushProblem
 from push_planner.settings import PlannerSettings
+from push_planner.steered.plan_drawing import draw_plan
 
 FilePath = Union[str, 'os.PathLike[str]']
 # Values at the start and the end of each segment.
@@ -144,6 +145,19 @@ class Plan:
     def report(self) -> dict[str, Any]:
         """Figures of the motion and notes, by name."""
         return {**self.motion.recorded().figures, **self.notes}
+
+    def __repr__(self) -> str:
+        """Say in one line what it is."""
+        return (f'<Plan of {self.motion.path_length:.2f} m in {self.motion.duration:.1f} s at a '
+                f'{self.problem.contact.kind}>')
+
+    def plot(self, axes: Any) -> None:
+        """
+        Draw bodies and paths.
+
+        :param axes: axes of matplotlib.
+        """
+        draw_plan(axes, self.problem.obj, self.problem.robot.radius, self.trajectory)
 
     def save(self, path: FilePath) -> None:
         """
