@@ -79,6 +79,11 @@ class LiveRun:
         return self._simulation.plant.object_pose
 
     @property
+    def has_plan(self) -> bool:
+        """Tell whether a push has been planned."""
+        return bool(self._robot.plans)
+
+    @property
     def poses(self) -> tuple[Pose, Pose]:
         """True ``Pose`` of object and robot."""
         return self._simulation.plant.object_pose, self._simulation.plant.robot_pose
@@ -100,6 +105,10 @@ class LiveRun:
             plant.stand_at(object_pose, robot_pose)
             self._give_up(contact)
         self._display.take_rows()
+
+    def rehearse(self) -> None:
+        """Compile what the robot needs for a push."""
+        self._robot.supervisor.rehearse()
 
     def show(self) -> None:
         """Send the page what happened."""

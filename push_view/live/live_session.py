@@ -20,8 +20,6 @@ TICK = 0.03
 MAX_TICK = 0.1
 # Period at which the speed that was reached is shown [s].
 SPEED_PERIOD = 1.0
-# Simulated time that counts as preparation [s]; chosen: the first plan is made in it.
-FIRST_TIME = 0.3
 
 Result = TypeVar('Result')
 
@@ -168,13 +166,12 @@ class LiveSession:
                 shown, shown_time = now, session.time
 
     async def _start(self) -> Session:
-        def start() -> Session:
-            session = Session(self._setup, self.log)
-            session.advance(FIRST_TIME)
-            return session
-
-        await self._preparations.wait_for(self._setup)
-        return await self._announced('simulation', start)
+        # Side by side: the first time both are compiled.
+        _, session = await asyncio.gather(
+            self._preparations.wait_for(self._setup),
+            self._announced('simulation', lambda: Session(self._setup, self.log)))
+        await self._announced('controller', session.rehearse)
+        return session
 
     async def _start_over(self, session: Session, command: Choose | OpenLink,
                           setup: Setup) -> None:
@@ -183,7 +180,8 @@ class LiveSession:
         try:
             await self._worker.call(lambda: session.handle(command))
         except CommandRefused as refusal:
-            self.log.replace({'type': 'notice', 'text': f'refused: {refusal}'})
+            self.log.replace({'type': 'notice', 'text': f'refused: {refusal}',
+                              'is_passing': True})
         self._changed.set()
         self._preparations.start_background(session.setup)
 

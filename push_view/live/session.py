@@ -20,6 +20,8 @@ from push_view.server.message_log import MessageLog
 
 # Time for which nothing must have moved while the robot waits [s]; chosen: long enough to see it.
 REST_TIME = 1.0
+# Longest simulated time of a rehearsal [s]; chosen: only what is not seen has no plan by then.
+REHEARSAL_TIME = 2.0
 
 
 class Session:
@@ -118,6 +120,12 @@ class Session:
                 command, OpenLink) else self._setup.with_choices(command.choices)
         except ValueError as error:
             raise CommandRefused(str(error)) from error
+
+    def rehearse(self) -> None:
+        """Compile what a push needs, and let the first plan be made."""
+        self._run.rehearse()
+        while not self._run.has_plan and self.time < REHEARSAL_TIME:
+            self.advance(0.0)
 
     def prepare_for_walls(self) -> None:
         """Plan once in a map, which takes a minute where that has not been compiled yet."""

@@ -83,7 +83,7 @@ class App {
     } else if (message.type === 'preparation') {
       this.session.showPreparation(message);
     } else if (message.type === 'notice') {
-      this.showMessage(message.text, this.player.ownsTime ? Infinity : REFUSAL_TIME);
+      this.showMessage(message.text, this.player.ownsTime && !message.is_passing ? Infinity : REFUSAL_TIME);
     } else if (message.type === 'refused') {
       this.showMessage(`refused: ${message.text}`, REFUSAL_TIME);
     }

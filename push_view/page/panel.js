@@ -36,6 +36,7 @@ const LEGEND = [
   ['goal', '<rect x="3" y="3" width="24" height="12" fill="none" stroke="var(--goal)" stroke-width="2.5" stroke-dasharray="6 3"/>'],
   ['robot', '<circle cx="15" cy="9" r="7" fill="var(--robot)" stroke="var(--ink)"/><path d="M15 9h7" stroke="var(--ink)" stroke-width="2"/>'],
   ['believed pose', '<rect x="3" y="3" width="24" height="12" fill="none" stroke="var(--believed)" stroke-width="1.6" stroke-dasharray="7 2 2 2"/>'],
+  ['run before', '<rect x="3" y="3" width="24" height="12" fill="none" stroke="var(--faint)" stroke-width="1.2" stroke-dasharray="2 3"/>'],
   ['path of the object in push 1', '<path d="M2 13 22 6" stroke="var(--push-0)" stroke-width="3.5"/><circle cx="23" cy="6" r="5" fill="var(--paper)" stroke="var(--push-0)" stroke-width="2"/>'],
   ['path of the robot', '<path d="M2 9h26" stroke="var(--faint)" stroke-width="2" stroke-dasharray="1 4"/>'],
   ['plan', '<path d="M2 9h26" stroke="var(--plan)" stroke-width="2" stroke-dasharray="7 4"/>'],

@@ -41,7 +41,8 @@ class SessionControls {
   showPreparation(message) {
     for (const [id, isShown] of [['preparing', message.is_awaited], ['background', !message.is_awaited]]) {
       byId(id).hidden = !message.name || !isShown;
-      setText(byId(id).querySelector('span'), isShown ? `preparing pushes: ${message.name}` : '');
+      const hint = message.part ? '' : ' (compiled the first time)';
+      setText(byId(id).querySelector('span'), isShown ? `preparing pushes: ${message.name}${hint}` : '');
       const bar = byId(id).querySelector('progress');
       // Of what is compiled nobody knows how far it is.
       if (message.part) bar.value = message.part; else bar.removeAttribute('value');

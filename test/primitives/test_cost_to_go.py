@@ -89,7 +89,10 @@ def test_the_mirrored_goal_is_as_far(few_bearings):
     obj = box(foot=0.17)
     nominal = FrictionSamples(*(array[:1] for array in sample_friction(obj)))
     table = build_table(obj, RADIUS, friction_samples=nominal)
-    values = solve_cost_to_go(table, deviations=EXACT).values
+    parts: list[float] = []
+    values = solve_cost_to_go(table, deviations=EXACT, progress=parts.append).values
+    # Progress is stated from the first sweep to the whole.
+    assert parts == sorted(parts) and 0.0 < parts[0] < 0.02 and parts[-1] == pytest.approx(1.0)
     mirrored = values[[2, 1, 0, 3]][:, :, (-np.arange(few_bearings)) % few_bearings, ::-1]
     outside = values > 0.0
     np.testing.assert_array_equal(outside, mirrored > 0.0)

@@ -159,6 +159,15 @@ def test_level_of_friction_and_mass_do_not_matter():
     np.testing.assert_allclose(tables[0].displacements, tables[1].displacements, atol=2e-3)
 
 
+def test_progress_is_stated_for_each_primitive():
+    """In equal parts, up to the whole."""
+    parts = []
+    table = build_table(BIN, RADIUS, friction_samples=nominal(BIN), lengths=(0.0, 0.03),
+                        progress=parts.append)
+    count = len(table.starts)
+    assert parts == pytest.approx(np.arange(1, count + 1) / count)
+
+
 def test_infinite_radius_is_refused():
     """A flat pusher has no place of contact."""
     with pytest.raises(ValueError, match='robot_radius: got inf'):

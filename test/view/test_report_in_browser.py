@@ -56,12 +56,16 @@ def test_a_report_plays_steps_and_jumps(browser, url):
 
 
 def test_another_run_is_chosen(browser, url):
-    """The second one goes half as far, and so misses the goal."""
+    """The second one goes half as far, and so misses the goal; the first is its ghost."""
     browser.open(url, prefers_reduced_motion='reduce')
     browser.wait('app.recording.time.length > 0')
     browser.run('const run = document.getElementById("run"); run.value = 1;'
                 'run.dispatchEvent(new Event("change")); app.player.seek(10)')
     assert object_x(browser) == pytest.approx(1.0, abs=1e-6)
+    ghost = browser.run("return app.recording.shownGhost.at(5)('object_x')")
+    assert ghost == pytest.approx(1.0, abs=1e-6)
+    browser.run('document.getElementById("ghost").click()')
+    assert browser.run('return app.recording.shownGhost') is None
     assert browser.wait('document.getElementById("state").textContent === "missed the goal"')
     assert 'position error 1000.0 mm, bound 10.0 mm' in browser.run(
         'return document.getElementById("reason").textContent')

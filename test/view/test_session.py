@@ -49,6 +49,12 @@ def advance_until_standing(session, time_limit=120.0):
         session.advance(0.1)
 
 
+def test_after_a_rehearsal_the_robot_has_a_plan(session):
+    """Nothing is left to be compiled while its user watches."""
+    session.rehearse()
+    assert messages(session, 'plan') and session.time < 1.0
+
+
 @pytest.mark.slow
 def test_a_task_is_done_and_the_next_goal_too(session):
     """The page is shown all of it: rows without gaps, states, plans, what is believed."""
