@@ -55,7 +55,8 @@ class Access(NamedTuple):
         if self.token is not None and not hmac.compare_digest(
                 request.query.get('token', '').encode(), self.token.encode()):
             return 'The token is missing or wrong; the server has printed the whole address.'
-        if needs_origin and request.headers.get('Origin') not in (f'http://{host}', self.origin):
+        origins = {f'http://{host}', self.origin or f'http://{host}'}
+        if needs_origin and request.headers.get('Origin') not in origins:
             return 'Commands are for the page of this server only.'
         return ''
 

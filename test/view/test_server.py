@@ -125,6 +125,18 @@ def test_a_page_elsewhere_cannot_command(headers):
     with_page(play)
 
 
+def test_who_states_no_origin_cannot_command():
+    """As programs that are no browser: behind a proxy or not."""
+    async def play(page):
+        with pytest.raises(aiohttp.WSServerHandshakeError) as refusal:
+            await page.client.ws_connect('/socket?token=secret')
+        assert refusal.value.status == 403
+
+    with_page(play)
+    with_page(play, token='secret')
+    with_page(play, token='secret', origin='https://robot.example')
+
+
 def test_others_need_the_token():
     """In the address, for page and commands."""
     async def play(page):
