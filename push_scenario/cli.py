@@ -118,7 +118,7 @@ def _replay_all(options: argparse.Namespace) -> int:
 def _choose_mode(options: argparse.Namespace) -> None:
     """Run in one process where there is no ROS, unless its clock is asked for."""
     if not options.in_process and not options.real_time and util.find_spec('rclpy') is None:
-        _note('ROS 2 is not installed here (no module rclpy): one process runs all')
+        _note('no ROS 2 here (no module rclpy): one process runs all')
         options.in_process = True
 
 

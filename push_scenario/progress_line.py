@@ -72,7 +72,7 @@ class ProgressLine:
             return
         self._shown = now
         stage, time, distance = self._progress
-        text = preparation or (f'{time:.1f} s simulated{self._speed(time, now)}, '
+        text = preparation or (f'{time:.1f} s{self._speed(time, now)}, '
                                f'{distance:.3f} m to the goal')
         self._line.write(f'{self._title}: {stage}, {text}')
 

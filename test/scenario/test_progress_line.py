@@ -97,7 +97,7 @@ def test_the_line_fits_into_the_window(widths):
 
 def test_log_gets_a_line_now_and_then():
     lines = play(io.StringIO()).splitlines()
-    assert lines[0] == 'case: planning, 0.0 s simulated, 2.000 m to the goal'
+    assert lines[0] == 'case: planning, 0.0 s, 2.000 m to the goal'
     assert lines[-1] == 'case: done, 10.0 s'
     assert 3 <= len(lines) <= 6
     assert not any('\r' in line for line in lines)
