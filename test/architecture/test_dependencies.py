@@ -9,6 +9,7 @@ import sys
 from xml.etree import ElementTree
 
 from helpers.architecture import ROOT
+from push_model.optional import EXTRAS, how_to_install
 import pytest
 import yaml
 
@@ -76,6 +77,16 @@ def test_what_is_installed_by_pip_is_pinned():
     assert {distribution(item) for item in needed} <= asked.keys() | build
     assert all(asked.get(distribution(item), item) == item for item in needed)
     assert asked.keys() <= {distribution(line) for line in requested('requirements-test.txt')}
+
+
+def test_who_lacks_a_module_is_told_its_extra():
+    """The extra of that name asks for what brings the module."""
+    extras = setup_argument('extras_require')
+    for module, extra in EXTRAS.items():
+        brought = {distribution(item) for item in extras[extra]}
+        assert distribution({'PIL': 'pillow'}.get(module, module)) in brought
+    assert how_to_install('aiohttp.web') == "no module aiohttp: pip install 'push_control[play]'"
+    assert how_to_install('push_model') == how_to_install(None) == ''
 
 
 def test_the_demo_gets_what_the_tests_get_and_no_solver():
