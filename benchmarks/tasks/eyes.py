@@ -86,7 +86,9 @@ EYES: dict[str, Eyes] = {
         {'camera': CameraSettings(place='room', mount_y=-5.0),
          **_jumps(0.1, math.radians(2.0), 20.0)}, success_aim=97.0, time_aim=None),
     'own camera, carried away unseen': Eyes({**OWN_POSES, **LOCALIZED}, is_moved=True,
-                                            success_aim=95.0, time_aim=None)}
+                                            success_aim=95.0, time_aim=None),
+    'room camera, hidden by the robot': Eyes({'camera': CameraSettings(
+        place='room', mount_y=-5.0)})}
 
 
 def eyes_scenario(scenario: Scenario, eyes: Eyes) -> Scenario:
