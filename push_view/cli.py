@@ -91,7 +91,7 @@ async def _serve(options: argparse.Namespace) -> None:
     async with serve(title, session.log, callbacks, host=options.host or LOCAL,
                      port=options.port, access=access) as url:
         print(f'push play: {url} (end with Ctrl-C)', flush=True)
-        if not is_local:
+        if not is_local and sys.stdout.isatty():
             print(qr_code(url), end='', flush=True)
         if not options.no_browser:
             webbrowser.open(url)

@@ -62,10 +62,13 @@ class Chart {
     new ResizeObserver(() => { this.drawn.version = -1; this.drawn.at = -Infinity; }).observe(this.canvas);
   }
 
+  // Whether there is something that was not drawn yet, as the strip was drawn a moment ago.
+  isLate(recording) { return !recording.isEmpty && recording.version !== this.drawn.version; }
+
   // The strip moves at every frame, its number is written at some.
   show(recording, time, now, isWritten) {
     if (recording.isEmpty) return;
-    if (recording.version !== this.drawn.version && now - this.drawn.at > CHART_PERIOD) {
+    if (this.isLate(recording) && now - this.drawn.at > CHART_PERIOD) {
       this.drawn = { version: recording.version, at: now };
       this.draw(recording);
     }

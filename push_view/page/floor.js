@@ -3,7 +3,7 @@
 
 const GRAVITY = 9.81;
 // Shadow of what stands on the floor [m], and the lid of a box as a part of its outline.
-const SHADOW = [0.02, -0.025], LID = 0.8;
+const SHADOW = [0.02, -0.025], SHADOW_COLOR = '#000', LID = 0.8;
 
 class Floor extends Pen {
   constructor(canvas, camera) {
@@ -74,7 +74,7 @@ class Floor extends Pen {
   drawSolidObject(pose) {
     const { object, paper } = this.colors, vertices = this.outline;
     const shadow = [pose[0] + SHADOW[0], pose[1] + SHADOW[1], pose[2]];
-    this.shape(vertices.map((vertex) => transform(shadow, vertex)), { fill: this.colors.ink, alpha: 0.13 });
+    this.shape(vertices.map((vertex) => transform(shadow, vertex)), { fill: SHADOW_COLOR, alpha: 0.16 });
     this.shape(vertices.map((vertex) => transform(pose, vertex)), { fill: paper });
     this.drawObject(pose, { fill: object, stroke: object, width: 2.5, alpha: 0.3 });
     this.shape(vertices.map((vertex) => transform(pose, vertex.map((value) => LID * value))), { fill: paper, alpha: 0.5 });
@@ -83,7 +83,7 @@ class Floor extends Pen {
   // The robot from above: its wheels below its deck.
   drawSolidRobot(pose, robot) {
     const { robot: body, ink, paper } = this.colors, { radius } = robot, { scale } = this.camera;
-    this.circle([pose[0] + SHADOW[0], pose[1] + SHADOW[1]], radius * scale, { fill: ink, alpha: 0.13 });
+    this.circle([pose[0] + SHADOW[0], pose[1] + SHADOW[1]], radius * scale, { fill: SHADOW_COLOR, alpha: 0.16 });
     this.drawRobot(pose, radius, { fill: body, stroke: ink, width: 2, alpha: 0.75 });
     this.circle(pose, 0.62 * radius * scale, { fill: paper, alpha: 0.3 });
     for (const angle of robot.drive === 'holonomic' ? [0, 2 * Math.PI / 3, -2 * Math.PI / 3] : [Math.PI / 2, -Math.PI / 2]) {

@@ -192,7 +192,7 @@ class App {
     const started = performance.now();
     this.player.advance(dt);
     const { recording, player } = this;
-    if (this.needsDrawing || player.time !== this.shown.time || recording.version !== this.shown.version) {
+    if (this.needsDrawing || player.time !== this.shown.time || recording.version !== this.shown.version || this.panel.isLate(recording)) {
       const isForced = this.needsDrawing;
       this.shown = { time: player.time, version: recording.version };
       this.needsDrawing = false;

@@ -104,6 +104,8 @@ class Panel {
     return cells;
   }
 
+  isLate(recording) { return this.charts.some((chart) => chart.isLate(recording)); }
+
   show(recording, time, now, isForced) {
     if (!recording.scene) return;
     const isRenewed = isForced || now - this.renewedAt >= PANEL_PERIOD;

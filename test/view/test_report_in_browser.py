@@ -62,6 +62,7 @@ def test_another_run_is_chosen(browser, url):
     browser.run('const run = document.getElementById("run"); run.value = 1;'
                 'run.dispatchEvent(new Event("change")); app.player.seek(10)')
     assert object_x(browser) == pytest.approx(1.0, abs=1e-6)
+    browser.wait('!app.panel.isLate(app.recording)')
     ghost = browser.run("return app.recording.shownGhost.at(5)('object_x')")
     assert ghost == pytest.approx(1.0, abs=1e-6)
     browser.run('document.getElementById("ghost").click()')
