@@ -4,7 +4,6 @@ import math
 from pathlib import Path
 
 from push_model import Pose
-from push_model.files.data import config_file
 from push_planner import plan_push, problem_from_placement, verify
 from push_scenario import read_object, read_robot
 
@@ -13,8 +12,8 @@ OUT = Path('out')
 
 def main() -> None:
     """Push the box from its face, one and a half metres ahead and to the left."""
-    box = read_object(config_file('objects/box_04.yaml'))
-    robot = read_robot(config_file('robots/holonomic_017.yaml'))
+    box = read_object('box_04')
+    robot = read_robot('holonomic_017')
     problem = problem_from_placement(box, robot, object_pose=Pose(0.0, 0.0, 0.0),
                                      robot_pose=Pose(-0.37, 0.0, 0.0), goal=Pose(1.5, 0.4, 0.5))
     plan = plan_push(problem)

@@ -22,8 +22,8 @@ def check_law_name(name: str) -> None:
         entry point.
     """
     if name not in LAWS and not _is_reference(name) and name not in _entry_points():
-        raise ValueError(f'control_law: got {name!r}, expected one of {", ".join(LAWS)}, '
-                         f'{OWN_LAW}')
+        raise ValueError(f'ControlSettings.control_law: got {name!r}, expected one of '
+                         f'{", ".join((*LAWS, OWN_LAW))}')
 
 
 def law_name(law: type) -> str:

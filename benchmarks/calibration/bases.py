@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from push_base.calibration.estimation import BaseCalibration, estimate
 from push_base.calibration.program import CalibrationProgram
-from push_model.files.parameter_files import named_file, read_object
+from push_model.files.parameter_files import read_object
 from push_model.geometry import Pose
 from push_model.interval import Interval
 from push_model.parameters import RoundRobot
@@ -85,7 +85,7 @@ def simulation_of(base: DrawnBase, seed: int = 0) -> Simulation:
     :param seed: of its noise.
     """
     settings = SimulationSettings(step=0.005, seed=seed, drive=base.imperfections)
-    return Simulation(read_object(named_file('objects', 'box_04')), base.robot, OBJECT_POSE,
+    return Simulation(read_object('box_04'), base.robot, OBJECT_POSE,
                       ROBOT_POSE, settings, base.sensors, interpret=True)
 
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from benchmarks.calibration.bases import DrawnBase, OBJECT_POSE, ROBOT_POSE
 from push_model.files.flat_values import to_parameter_values
-from push_model.files.parameter_files import named_file, read_object, read_robot
+from push_model.files.parameter_files import read_object, read_robot
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_ros.topics import SIM
@@ -81,7 +81,7 @@ def run_command(base: DrawnBase, seed: int, folder: Path) -> RoundRobot:
     :param folder: for the files of both; it exists.
     :raises RuntimeError: where the command fails, with what it said.
     """
-    obj = read_object(named_file('objects', OBJECT))
+    obj = read_object(OBJECT)
     simulator, user = folder / 'sim.yaml', folder / 'my.yaml'
     settings = SimulationSettings(step=STEP, seed=seed, drive=base.imperfections)
     _write(simulator, obj, base.robot, {

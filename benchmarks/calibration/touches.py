@@ -7,7 +7,7 @@ import numpy as np
 from push_base.calibration.estimation import BaseCalibration, estimate
 from push_base.calibration.program import CalibrationProgram
 from push_base.calibration.touch_program import TouchPlan
-from push_model.files.parameter_files import named_file, read_object
+from push_model.files.parameter_files import read_object
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectPose, Odometry
@@ -57,7 +57,7 @@ def good_touch(**changes: object) -> DrawnTouch:
 
     :param changes: of its fields.
     """
-    touch = DrawnTouch(read_object(named_file('objects', 'box_04')), ROBOT, ROBOT)
+    touch = DrawnTouch(read_object('box_04'), ROBOT, ROBOT)
     return touch._replace(**changes)
 
 

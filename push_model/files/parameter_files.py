@@ -8,24 +8,26 @@ from push_model.files.strict_yaml import load_yaml, ParameterFileError
 from push_model.parameters import PushedObject, RoundRobot
 
 
-def read_object(path: str | Path) -> PushedObject:
+def read_object(name: str | Path) -> PushedObject:
     """
-    Read an object file.
+    Read an object by path, or by name among those of the package.
 
-    :param path: the file.
+    :param name: path of a file, or name such as ``box_04``.
     :raises ParameterFileError: naming file and key, what came and what was expected.
     """
-    return from_mapping(PushedObject, load_yaml(Path(path)), Location(path))
+    path = named_file('objects', name)
+    return from_mapping(PushedObject, load_yaml(path), Location(path))
 
 
-def read_robot(path: str | Path) -> RoundRobot:
+def read_robot(name: str | Path) -> RoundRobot:
     """
-    Read a robot file.
+    Read a robot by path, or by name among those of the package.
 
-    :param path: the file.
+    :param name: path of a file, or name such as ``disc_017``.
     :raises ParameterFileError: naming file and key, what came and what was expected.
     """
-    return from_mapping(RoundRobot, load_yaml(Path(path)), Location(path))
+    path = named_file('robots', name)
+    return from_mapping(RoundRobot, load_yaml(path), Location(path))
 
 
 def named_file(folder: str, name: str | Path) -> Path:

@@ -175,5 +175,7 @@ def _file(name: object, at: Location, folder: str, directory: Path | None) -> Pa
     for path in candidates:
         if path.is_file():
             return path
+    there = sorted(path.name for path in candidates[-1].parent.iterdir())
     raise at.error(f'got {name!r}, expected a file in '
-                   + ' or '.join(str(path.parent) for path in candidates))
+                   + ' or '.join(str(path.parent) for path in candidates)
+                   + f', where there are {", ".join(there)}')

@@ -6,7 +6,7 @@ import sys
 from typing import Sequence
 
 from push_control.identification.identification import identify
-from push_model.files.parameter_files import named_file, read_object, read_robot
+from push_model.files.parameter_files import read_object, read_robot
 from push_scenario.recordings.bag import read_tracks
 from push_scenario.recordings.object_file import object_file, summary
 from push_scenario.recordings.segmentation import split_pushes
@@ -54,8 +54,8 @@ def _identify(options: argparse.Namespace) -> None:
     # Found now rather than when everything has been computed.
     if not options.out.parent.is_dir():
         raise ValueError(f'--out: got {options.out}, expected a file in a folder that exists')
-    obj = read_object(named_file('objects', options.object))
-    robot = read_robot(named_file('robots', options.robot))
+    obj = read_object(options.object)
+    robot = read_robot(options.robot)
     robot_track, object_track = read_tracks(options.bag, (options.odom, options.object_pose))
     pushes = split_pushes(obj, robot, robot_track, object_track)
     print(f'recorded pushes: {len(pushes)}', file=sys.stderr)

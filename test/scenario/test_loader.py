@@ -138,7 +138,8 @@ def test_the_robot_is_placed_at_the_contact(tmp_path, contact, normal, gap):
      ('object.mass: got nothing, expected a finite number from 0.005 to 1000 [kg]',)),
     (('radius: 0.17', 'radius: true'),
      ('robot.radius: got True, expected a number of at least 0',)),
-    (('radius: 0.17', 'file: none.yaml'), ("robot.file: got 'none.yaml', expected a file in",)),
+    (('radius: 0.17', 'file: none.yaml'),
+     ("robot.file: got 'none.yaml', expected a file in", 'create3.yaml, disc_017.yaml')),
     (('radius: 0.17', 'radius: 0.17, drive: legs'), ("robot.drive: got 'legs', expected one of "
                                                      'differential, holonomic',)),
     (('{x: -0.1, y: -0.1, friction_coefficient: 0.3}', '{x: -0.1, y: -0.1}'),
