@@ -7,6 +7,7 @@ so that Ctrl-C ends the process at once, and quietly.
 
 import gc
 import importlib
+from importlib import util
 import os
 import signal
 import sys
@@ -65,8 +66,8 @@ def view(words: list[str] | None = None) -> int:
     _leave_on_signals()
     try:
         module = import_node_module(VIEW)
-    except ModuleNotFoundError as error:
-        if error.name != 'rclpy':
+    except ModuleNotFoundError:
+        if util.find_spec('rclpy') is not None:
             raise
         print('push view: no module rclpy: source a ROS installation', file=sys.stderr)
         return MISUSE

@@ -6,7 +6,9 @@ import signal
 import subprocess
 import sys
 
-from push_ros.start import BROKEN_PIPE, import_node_module, INTERRUPTED, NODES, PUSH, TOOLS
+from push_ros.start import (
+    BROKEN_PIPE, import_node_module, INTERRUPTED, MISUSE, NODES, PUSH, TOOLS,
+)
 import pytest
 
 # Sends a signal to itself as soon as the module of a command is imported.
@@ -41,6 +43,15 @@ def test_an_interrupt_of_a_tool_that_has_just_begun_ends_it_quietly() -> None:
                                      name='push', words=['replay', 'curved_push'])
     done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True)
     assert (done.returncode, done.stdout, done.stderr) == (INTERRUPTED, '', '')
+
+
+def test_the_page_of_a_robot_needs_ros_and_says_so():
+    """In a line, without a traceback."""
+    code = ('import sys; sys.modules.update(rclpy=None, builtin_interfaces=None); '
+            'from push_ros import start; sys.exit(start.view([]))')
+    done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (MISUSE, '')
+    assert done.stderr == 'push view: no module rclpy: source a ROS installation\n'
 
 
 @pytest.mark.slow
