@@ -111,7 +111,6 @@ class LiveSession:
         """Prepare the session, then let time pass until this is cancelled."""
         try:
             session = await self._start()
-            self._session = session
             self._preparations.start_background(session.setup)
             while True:
                 await self._run_until_idle(session)
@@ -166,10 +165,14 @@ class LiveSession:
                 shown, shown_time = now, session.time
 
     async def _start(self) -> Session:
+        async def make() -> Session:
+            session = await self._announced('simulation', lambda: Session(self._setup, self.log))
+            # What its user asks for from now on is done after the rehearsal.
+            self._session = session
+            return session
+
         # Side by side: the first time both are compiled.
-        _, session = await asyncio.gather(
-            self._preparations.wait_for(self._setup),
-            self._announced('simulation', lambda: Session(self._setup, self.log)))
+        _, session = await asyncio.gather(self._preparations.wait_for(self._setup), make())
         await self._announced('controller', session.rehearse)
         return session
 
