@@ -17,6 +17,13 @@ JOB = Job.of(Setup.of(load_scenario('task_tap')))
 OTHER = JOB._replace(robot=dataclasses.replace(JOB.robot, radius=0.173))
 
 
+def wait_for_children():
+    """Wait until the process that was told to end has ended."""
+    for child in multiprocessing.active_children():
+        child.join(60.0)
+    assert not multiprocessing.active_children()
+
+
 def test_a_session_asks_for_what_a_run_loads():
     """The costs of a task are those that it counts in the table of its planner."""
     scenario = load_scenario('task_demo')
@@ -35,7 +42,7 @@ def test_what_was_prepared_is_done():
     asyncio.run(prepare([JOB], lambda name, part: parts.append((name, part))))
     assert JOB.is_done
     assert parts[0] == ('box 04', 0.0) and parts == sorted(parts)
-    assert not multiprocessing.active_children()
+    wait_for_children()
 
 
 @pytest.mark.slow
@@ -48,9 +55,7 @@ def test_preparation_ends_at_once_where_nobody_waits():
         task.cancel()
         with pytest.raises(asyncio.CancelledError):
             await task
-        for child in multiprocessing.active_children():
-            child.join(60.0)
-        assert not multiprocessing.active_children()
+        wait_for_children()
 
     asyncio.run(run())
     assert not OTHER.is_done
