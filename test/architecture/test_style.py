@@ -18,7 +18,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCES = [*sorted(path.name for path in ROOT.glob('push_*') if path.is_dir()),
-           'test', 'launch', 'setup.py', 'docs/tools', 'examples',
+           'test', 'launch', 'setup.py', 'docs', 'examples',
            *(name for name in ('benchmarks', 'studies') if (ROOT / name).is_dir())]
 FLAKE8 = [sys.executable, '-m', 'flake8', '--config', str(ROOT / 'setup.cfg'), '--jobs', '1']
 # Key in pytest's cache: digests of files without findings.
