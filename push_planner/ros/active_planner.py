@@ -42,6 +42,11 @@ DISCOVERY_WAIT = 1.0
 # Distance between the object poses of a request and of the planner at which those of the planner
 # are outdated [m]; chosen: as far off the controller refuses plans.
 MAX_DISAGREEMENT = 0.25
+# What is reported while a request is waited for, and while one would have to wait.
+WAITS = 'waits for a request'
+PREPARES = 'finds out what pushes do to the object; the first time this takes a minute or two'
+# Period at which a planner that prepares looks whether it is ready [s]; chosen: short to wait.
+READY_PERIOD = 0.2
 # Period at which a map is looked for that is being read [s]; chosen: short for who waits for it.
 MAP_PERIOD = 0.1
 
@@ -80,6 +85,9 @@ class ActivePlanner:
         # They run while something is waited for.
         self._timer = self._make_timer(WAIT_PERIOD, self._plan_when_possible)
         self._map_timer = self._make_timer(MAP_PERIOD, self._take_map)
+        self._ready_timer = self._make_timer(READY_PERIOD, self._look_whether_ready)
+        # What was reported last.
+        self._reported = ''
         # While the node is active.
         self._topics: TopicWatch | None = None
         self._measured: _MeasurementTopics | None = None
@@ -97,12 +105,13 @@ class ActivePlanner:
         if self._tasks.clearing.is_enabled:
             self._record_footprints()
         self._topics = TopicWatch(self._node, self._awaited_topics)
-        self._node.reporter.report(OK, 'waits for a request')
+        self._report_readiness()
 
     def deactivate(self) -> None:
         """Forget what was requested."""
         self._timer.cancel()
         self._map_timer.cancel()
+        self._ready_timer.cancel()
         if self._topics is not None:
             self._topics.destroy()
         self._measured = None
@@ -110,7 +119,7 @@ class ActivePlanner:
 
     def destroy(self) -> None:
         """Forget the map."""
-        for timer in (self._timer, self._map_timer):
+        for timer in (self._timer, self._map_timer, self._ready_timer):
             self._node.destroy_timer(timer)
 
     def set_parameters(self, parameters: PlannerParameters) -> None:
@@ -162,6 +171,22 @@ class ActivePlanner:
     def _on_map(self, message: Any) -> None:
         self._tasks.on_map(message)
         self._take_map()
+
+    def _report_readiness(self) -> None:
+        """Report that a request is waited for, or what one would have to wait for."""
+        if self._tasks.is_ready:
+            self._report(OK, WAITS)
+        else:
+            self._report(OK, PREPARES)
+            self._ready_timer.reset()
+
+    def _look_whether_ready(self) -> None:
+        """Report readiness, unless there has been something else to report."""
+        if self._reported != PREPARES or self._pending is not None:
+            self._ready_timer.cancel()
+        elif self._tasks.is_ready:
+            self._ready_timer.cancel()
+            self._report(OK, WAITS)
 
     def _take_map(self) -> None:
         """Use a map that was read, or look again a little later."""
@@ -243,8 +268,7 @@ class ActivePlanner:
             return bool(missing)
         is_waiting = self._tasks.prepares(request)
         if is_waiting:
-            self._report(OK, 'finds out what pushes do to the object; the first time this takes '
-                             'a minute or two')
+            self._report(OK, PREPARES)
         return is_waiting
 
     async def replan(self) -> ServiceAnswer:
@@ -343,6 +367,7 @@ class ActivePlanner:
 
     def _report(self, level: bytes, text: str, values: Mapping[str, Any] | None = None) -> str:
         """Report, and return the text."""
+        self._reported = text
         self._node.reporter.report(level, text, values)
         return text
 

@@ -45,6 +45,11 @@ class PrimitiveLoader:
         self._thread = threading.Thread(target=run, name=THREAD_NAME, daemon=True)
         self._thread.start()
 
+    @property
+    def is_busy(self) -> bool:
+        """Tell whether something is being prepared or loaded."""
+        return self._thread.is_alive()
+
     def loads(self, request: PlanRequest, robot: RoundRobot, drive: DriveSettings) -> bool:
         """
         Start to load, unless that was done, and tell whether it goes on; one after the other.
@@ -52,12 +57,12 @@ class PrimitiveLoader:
         :param request: ``PlanRequest``, the same one each time.
         """
         if request is not self._request:
-            if self._thread.is_alive():
+            if self.is_busy:
                 return True
             self._request = request
             self.prepare(lambda: _load(request, robot, drive))
             self._thread.join(LOADING_TIME)
-        return self._thread.is_alive()
+        return self.is_busy
 
 
 def _load(request: PlanRequest, robot: RoundRobot, drive: DriveSettings) -> None:

@@ -128,6 +128,11 @@ class TaskRequestHandler:
         """
         return from_request_message(message, self._frame)
 
+    @property
+    def is_ready(self) -> bool:
+        """Tell whether a request would be planned at once."""
+        return not self._loader.is_busy
+
     def prepares(self, request: PlanRequest) -> bool:
         """Load what pushes do to the object of a request; tell whether that takes a while."""
         parameters = self._parameters

@@ -81,3 +81,16 @@ def test_a_newer_request_waits_for_the_former_and_then_for_itself(making):
     making.end(2.0)
     assert not loads_after_a_while(loader, newer)
     assert making.goals == [1.0, 2.0]
+
+
+def test_a_loader_is_busy_as_long_as_it_prepares():
+    """Until then a planner does not say that it waits for a request."""
+    loader, end = PrimitiveLoader(), threading.Event()
+    assert not loader.is_busy
+    loader.prepare(end.wait)
+    assert loader.is_busy
+    end.set()
+    for thread in threading.enumerate():
+        if thread.name == THREAD_NAME:
+            thread.join(TIMEOUT)
+    assert not loader.is_busy
