@@ -7,6 +7,7 @@ import shutil
 import time
 
 from push_control.law_names import law_file_name
+from push_control.steered.laws.own_law import check_own_law
 from push_ros.node_settings import Frames
 from push_ros.topics import CONTROLLER, PLANNER, SIM
 from push_scenario.dds.parameter_files import write_parameter_files
@@ -49,10 +50,12 @@ def run_over_dds(scenario: Scenario, control_law: str | None = None, out_dir: st
     :param progress: called with a ``Progress`` whenever simulated time is known.
     :param stamped: whether commands are ``TwistStamped``, else ``Twist``.
     :param on_start: called with the ``NodeProcesses`` when time starts to run.
+    :raises ValueError: where there is no such law.
     :raises RuntimeError: where a node dies or hangs, naming it; no process is left in any case.
     """
     if control_law is not None:
         scenario = scenario.with_law(control_law)
+    check_own_law(scenario.control)
     scenario = place_robot(scenario)
     law = scenario.control.control_law
     run_name = f'{scenario.name}_{law_file_name(law)}'

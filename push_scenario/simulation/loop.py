@@ -10,8 +10,7 @@ from collections.abc import Callable
 import math
 from typing import NamedTuple
 
-from push_control.law_names import is_own_law
-from push_control.steered.laws.own_law import import_law
+from push_control.steered.laws.own_law import check_own_law
 from push_control.steered.laws.steering_law import SteeringLaw
 from push_control.task.supervisor import Supervisor
 from push_model.geometry import distance
@@ -104,8 +103,7 @@ def simulate(scenario: Scenario, law: str | type[SteeringLaw] | None = None, *,
 
 def _check_own_parts(scenario: Scenario, plan_push: PushPlanner) -> None:
     """Check law and planner now: a task may need either late, or never."""
-    if is_own_law(scenario.control.control_law):
-        import_law(scenario.control.control_law)
+    check_own_law(scenario.control)
     if scenario.task is None and plan_push is not plan_for_request:
         raise ValueError(f'plan_push: got {plan_push!r} for {scenario.name}, a single push, '
                          'expected a scenario with a task')

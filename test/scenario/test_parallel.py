@@ -53,6 +53,12 @@ def test_rows_of_scenarios_are_the_metrics_of_their_runs(tmp_path):
     assert repr(again) == repr(rows[::-1])
 
 
+def test_the_source_of_a_law_of_ones_own_counts():
+    jobs = variations()
+    plain, own = job_digests(noisy, jobs), job_digests(noisy, jobs, ['helpers.own_laws'])
+    assert not set(plain) & set(own) and own == job_digests(noisy, jobs, ['helpers.own_laws'])
+
+
 def test_scenarios_that_differ_in_one_number_are_told_apart():
     scenario = variations()[0]
     other = dataclasses.replace(scenario, simulation=dataclasses.replace(

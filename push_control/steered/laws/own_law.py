@@ -6,7 +6,7 @@ import inspect
 import math
 from typing import Any
 
-from push_control.law_names import law_reference
+from push_control.law_names import is_own_law, law_reference
 from push_control.settings import ControlSettings
 from push_control.steered.laws.steering_law import SolverReport, SteeringInput, SteeringLaw
 from push_model.parameters import RoundRobot
@@ -49,6 +49,16 @@ class OwnLaw(SteeringLaw):
             raise ValueError(f'{self._name}.curvature: got {curvature!r}, expected a finite '
                              'number [1/m]')
         return number
+
+
+def check_own_law(settings: ControlSettings) -> None:
+    """
+    Check a law of one's own before anything starts; those of the package need no check.
+
+    :raises ValueError: as of ``import_law``.
+    """
+    if is_own_law(settings.control_law):
+        import_law(settings.control_law)
 
 
 def import_law(name: str) -> type[SteeringLaw]:
