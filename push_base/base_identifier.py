@@ -15,6 +15,9 @@ reach their height, and higher else, and come back once they move it. A least sp
 whose pulses move the base comes down with them, until its pulses are so small that a lower one
 would gain nothing: what seemed to stand may have been blocked.
 
+All models follow what a base with the believed gains makes of the commands (``speed_gain``), so
+that ``GainSearch`` looks for what its gains are over these.
+
 ``push_safety.delay_search`` looks for a fault, whatever the base is like: it leaves out constant
 differences, as of a wheel of another size, and has one model. Here a difference is an error. A
 recording is fitted in ``calibration.drive_fit``, with lag, scales and accelerations unknown, too.
@@ -29,6 +32,10 @@ from typing import NamedTuple
 import numpy as np
 from push_base.acceleration_search import AccelerationSearch, AS_STATED, SLOW_RATIOS
 from push_base.command_shaper import MARGINS, pulse_heights
+from push_base.gain_search import GainChange, GainSearch, GainWindow, SHIFTS
+from push_base.gain_search import PERIOD as GAIN_PERIOD
+from push_base.gain_search import WINDOW as GAIN_WINDOW
+from push_base.speed_gain import delivered, gain_matrix
 from push_dynamics import actuation
 from push_dynamics.compiled import interpreted
 from push_model.base_knowledge import BaseKnowledge, PULSE
@@ -94,6 +101,10 @@ PULSE_RATIO = 1.5
 LONGER, HIGHER, MAX_PULSE = 1.3, 1.3, 0.16
 SHORTER, LOWER = 0.85, 0.95
 CHANGE_PERIOD = 0.5
+# Gains within this part of 1 count as 1, as odometry errs by some per cent itself; and the range
+# of gains that are believed. Chosen: below, a base is stopped rather than driven.
+EQUAL_GAIN = 0.07
+GAINS = 0.4, 1.6
 # A gap of odometry, or of commands, after which nothing is known of the time before [s].
 MAX_GAP = 0.5
 # Rounding of times [s].
@@ -169,6 +180,7 @@ class BaseIdentifier:
         self._results: deque[float] = deque(maxlen=RESULTS)
         # Of translation and rotation.
         self._accelerations = AccelerationSearch(), AccelerationSearch()
+        self._gains = GainSearch(robot, self._channels)
         self._last_change = -math.inf
         # Least speed or yaw rate as measured, without what pulses needed besides.
         self._measured_min_speeds = [robot.min_speed, robot.min_yaw_rate]
@@ -191,7 +203,8 @@ class BaseIdentifier:
         self._commands: deque[Twist] = deque(maxlen=length)
         self._count = 0
         self._measured: deque[tuple[float, ...]] = deque()
-        self._due = -math.inf
+        self._due = self._gains_due = -math.inf
+        self._gains.clear()
 
     def start_from(self, knowledge: BaseKnowledge) -> None:
         """Take what was learned before as known, unless nothing is to be learned."""
@@ -217,14 +230,16 @@ class BaseIdentifier:
         :param time: when, on the clock of odometry [s].
         """
         self._advance(time)
-        self._command = command
+        self._command = delivered(command, self._robot, self.knowledge)
 
-    def observe(self, odometry: Odometry) -> None:
+    def observe(self, odometry: Odometry, *, has_changed: bool = False) -> None:
         """
         Compare a measured velocity with the commands before it.
 
         :param odometry: ``Odometry``, finite; one that comes again with the time of the last is
             ignored, and one from before it starts over.
+        :param has_changed: whether the base may just have failed, so that other gains would hide
+            that.
         """
         time, measured = odometry.time, self._measured
         if not self._robot.identify_base or measured and time == measured[-1][0]:
@@ -237,7 +252,11 @@ class BaseIdentifier:
         self._measured.append((time, *odometry.twist))
         while self._measured[0][0] < time - HISTORY:
             self._measured.popleft()
-        if time < self._due or self._count * STEP < WINDOW:
+        if self._count * STEP < WINDOW:
+            return
+        if time >= self._gains_due and not has_changed:
+            self._find_gains(time)
+        if time < self._due:
             return
         self._due = time + PERIOD - TIME_ROUNDING
         samples = np.array(self._measured, dtype=np.float64)
@@ -339,6 +358,39 @@ class BaseIdentifier:
                       self._robot.max_acceleration, self._robot.max_yaw_acceleration))]
         return knowledge._replace(max_acceleration=limits[0], max_yaw_acceleration=limits[1])
 
+    def _find_gains(self, time: float) -> None:
+        """Find out whether the speeds are another part of what is commanded."""
+        self._gains_due = time + GAIN_PERIOD - TIME_ROUNDING
+        samples = np.array([sample for sample in self._measured
+                            if sample[0] >= time - GAIN_WINDOW - TIME_ROUNDING])
+        if len(samples) <= ENOUGH_RESULTS:
+            return
+        times = samples[:, 0]
+        between = (0.5 * (times[1:] + times[:-1]) - self.knowledge.dead_time
+                   - np.array(SHIFTS)[:, None])
+        change = self._gains.add(GainWindow(times, samples[:, 1:],
+                                            self._looked_up(self._commands, between)))
+        if change is not None:
+            self._change_gains(change, time)
+
+    def _change_gains(self, change: GainChange, time: float) -> None:
+        """Believe other gains, and let the past be that of a base with them."""
+        known = self.knowledge
+        gains = [believed * ratio for believed, ratio in zip(known.gains, change)]
+        gains = [1.0 if abs(gain - 1.0) < EQUAL_GAIN else gain for gain in gains]
+        if not all(GAINS[0] <= gain <= GAINS[1] for gain in gains):
+            return
+        first, second = gains
+        self.knowledge = known._replace(first_gain=first, second_gain=second)
+        matrix = gain_matrix(self._robot, first / known.first_gain, second / known.second_gain)
+        self._command = _times(matrix, self._command)
+        self._velocities = [_times(matrix, velocity) for velocity in self._velocities]
+        for rows in (self._commands, *self._responses):
+            scaled = [_times(matrix, row) for row in rows]
+            rows.clear()
+            rows.extend(scaled)
+        self._gains_due = time + GAIN_WINDOW
+
     def _find_least_speeds(self, samples: FloatArray, time: float) -> None:
         """Find out which wheels or axes do not turn although they should."""
         shifted = samples[:, 0] - self.knowledge.dead_time
@@ -428,3 +480,9 @@ class BaseIdentifier:
 def _row(model: int) -> int:
     """Return the index in ``ACCELERATION_RATIOS`` of a model of ``AccelerationSearch``."""
     return 0 if model == AS_STATED else STATED_COUNT + model - 1
+
+
+def _times(matrix: FloatArray, twist: Twist) -> Twist:
+    """Apply a matrix to a twist."""
+    v_x, v_y, omega = (matrix @ twist).tolist()
+    return Twist(v_x, v_y, omega)

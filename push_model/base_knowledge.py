@@ -16,7 +16,10 @@ ACCELERATION_MARGIN = 0.85
 # Hexadecimal digits of a key; chosen: no two robots of a file have the same.
 KEY_DIGITS = 16
 # Greatest values that are read, by field [s, m/s, rad/s, s]; chosen: beyond what is ever learned.
-MAX_VALUES = {'dead_time': 1.0, 'min_speed': 0.5, 'min_yaw_rate': 2.0, 'pulse': 0.5}
+MAX_VALUES = {'dead_time': 1.0, 'min_speed': 0.5, 'min_yaw_rate': 2.0, 'pulse': 0.5,
+              'first_gain': 3.0, 'second_gain': 3.0}
+# Values that may be 0.
+ZERO_VALUES = 'dead_time', 'min_speed', 'min_yaw_rate'
 
 
 class BaseKnowledge(NamedTuple):
@@ -30,6 +33,9 @@ class BaseKnowledge(NamedTuple):
     :param pulse: duration of the pulses that move it more slowly [s].
     :param max_acceleration: greatest acceleration; infinite for as stated [m/s^2].
     :param max_yaw_acceleration: greatest yaw acceleration, likewise [rad/s^2].
+    :param first_gain: speed of the left wheel (differential) or of the translation (holonomic)
+        over what is commanded.
+    :param second_gain: the same of the right wheel, or of the rotation.
     """
 
     dead_time: float = 0.0
@@ -38,6 +44,13 @@ class BaseKnowledge(NamedTuple):
     pulse: float = PULSE
     max_acceleration: float = math.inf
     max_yaw_acceleration: float = math.inf
+    first_gain: float = 1.0
+    second_gain: float = 1.0
+
+    @property
+    def gains(self) -> tuple[float, float]:
+        """Both gains."""
+        return self.first_gain, self.second_gain
 
     @classmethod
     def stated(cls, robot: RoundRobot) -> 'BaseKnowledge':
@@ -66,7 +79,7 @@ class BaseKnowledge(NamedTuple):
                                  + ', '.join(cls._fields))
             is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
             limit = MAX_VALUES.get(name, math.inf)
-            is_allowed_zero = name in MAX_VALUES and name != 'pulse'
+            is_allowed_zero = name in ZERO_VALUES
             if not (is_number and 0.0 <= value <= limit and (value > 0.0 or is_allowed_zero)):
                 raise ValueError(f'{name}: got {value!r}, expected a number '
                                  f'{"of at least" if is_allowed_zero else "above"} 0'

@@ -14,11 +14,12 @@ from typing import Protocol
 from push_base.base_identifier import BaseIdentifier
 from push_base.command_ramp import CommandRamp
 from push_base.command_shaper import CommandShaper
+from push_base.speed_gain import compensated
 from push_model.base_knowledge import BaseKnowledge
 from push_model.observation import Observation
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import Odometry, STOP, Twist
-from push_safety.motion_check import MotionCheck
+from push_safety.learned_motion import LearnedMotionCheck
 from push_safety.odometry_check import OdometryCheck
 from push_safety.pose_check import PoseCheck
 from push_safety.status import SafetyReason, SafetyReport, SafetyState
@@ -79,7 +80,7 @@ class SafetyLayer:
         self._obj = obj
         self._heading_count = heading_count
         self._is_odometry_absolute = is_odometry_absolute
-        self._motion_check = MotionCheck(robot)
+        self._motion_check = LearnedMotionCheck(robot)
         self._ramp = CommandRamp(robot)
         self._shaper = CommandShaper(robot)
         self._identifier = BaseIdentifier(robot)
@@ -222,10 +223,12 @@ class SafetyLayer:
             return self._observe_late(odometry, self._odometry.time - odometry.time)
         gap = 0.0 if self._odometry is None else odometry.time - self._odometry.time
         self._odometry = odometry
-        self._identifier.observe(odometry)
+        self._identifier.observe(odometry, has_changed=self._motion_check.has_changed)
         if not is_at_rest(odometry.twist):
             self._moving_knowledge = self._identifier.knowledge
         self._late_stamp, self._late_count = -math.inf, 0
+        if self._motion_check.learn(self._identifier.knowledge):
+            self._stop.explain()
         fault = self._odometry_check.check(odometry) or self._motion_fault(odometry)
         if self._stop.may_go_on(odometry, fault is not None):
             self._forgive(odometry)
@@ -295,6 +298,7 @@ class SafetyLayer:
         ratio = self._speed_ratio(time)
         if ratio < 1.0:
             allowed = Twist(*(ratio * value for value in allowed))
+        allowed = compensated(allowed, self._robot, self._identifier.knowledge)
         chosen = self._shaper.shape(allowed, time)
         sent = self._limited(chosen)
         if sent != chosen:

@@ -46,6 +46,12 @@ STATED, CLOSE = 0, 1
 HOLDING_SUM = 0.1
 # Greatest sum [s]; chosen: nothing is wrong half a second after the base follows again.
 MAX_SUM = 0.9
+# Sum from which on a base that is known to follow closely may have changed [s]; chosen: that of
+# two measurements.
+CHANGED_SUM = 0.02
+# Greatest sum while another check explains the motion [s]; chosen: a base that follows again is at
+# fault for three measurements more.
+EXPLAINED_SUM = MAX_RESIDUAL_SUM + 0.05
 # Greatest residual over the tolerance; chosen: one wrong message is no fault, nor are two.
 MAX_RATIO = 8.0
 # Time for which a model that has failed while another held counts no more [s]; chosen: the delay
@@ -383,6 +389,7 @@ class MotionCheck:
         self._excluded_until: FloatArray = np.full(count, -math.inf)
         self._least: FloatArray = np.zeros(2)
         self._following = CloseFollowing()
+        self._is_known = False
         self._stuck_detector = StuckDetector(count)
         self._late_detector = LateDetector()
         self._time: float | None = None
@@ -427,6 +434,15 @@ class MotionCheck:
         self._sums[:] = 0.0
         self._stuck_detector.clear()
         self._late_detector.clear()
+
+    @property
+    def has_changed(self) -> bool:
+        """Tell whether a base that is known to follow closely does not, be it a fault or not."""
+        return self._is_known and float(self._least[CLOSE]) > CHANGED_SUM
+
+    def limit_sums(self) -> None:
+        """Let a base that follows again be at fault no longer, as another check explains it."""
+        np.minimum(self._sums, EXPLAINED_SUM, out=self._sums)
 
     def add_command(self, command: Twist, time: float) -> None:
         """
@@ -489,9 +505,10 @@ class MotionCheck:
         stated, close = self._least.tolist()
         velocity = Twist(*self._models.velocities[nearest].tolist())
         self._following.add(velocity, dt, is_close=close <= HOLDING_SUM)
+        self._is_known = self._following.is_known(velocity)
         if stated > MAX_RESIDUAL_SUM:
             return True
-        is_far = close > MAX_RESIDUAL_SUM and self._following.is_known(velocity)
+        is_far = close > MAX_RESIDUAL_SUM and self._is_known
         if self._following.is_disabled or not (is_far or is_stuck):
             return False
         self._following.disable()

@@ -64,6 +64,10 @@ class SafetyStop:
         self._standstill.reset()
         self._released_at = -math.inf
 
+    def explain(self) -> None:
+        """Note that it is known by now how the base moves: another stop is no relapse."""
+        self._released_at = -math.inf
+
     def stop(self, report: SafetyReport) -> None:
         """Stop the robot, unless it is stopped already."""
         self.report = self.report or report

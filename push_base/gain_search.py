@@ -1,0 +1,177 @@
+"""
+Finding out that the speeds of a base are another part of what is commanded.
+
+From the velocity measured at the start of a window on, a base with the gains g follows the
+commands c of the window by its nominal lag and accelerations, v' = (M(g) c - v) / T. The errors of
+such models, that differ in the gains of both wheels or axes or of one of them,
+
+    e(g) = min_d mean |v - v_g,d|^2
+
+with commands that act a little earlier or later, by d, are compared. A wheel or axis tells of its
+own gain where all commands of the window are fast: one with a least speed does not follow slow
+ones, whatever its gain. One model has to explain the motion, and the present one not; several
+windows in a row have to say the same.
+"""
+
+from collections import deque
+import math
+import statistics
+from typing import NamedTuple
+
+import numpy as np
+from push_base.speed_gain import gain_matrix
+from push_model.geometry import FloatArray
+from push_model.parabola import vertex_offset
+from push_model.parameters import RoundRobot
+
+# Duration of a window, and time between two [s]; chosen: a base that is slow all of a sudden is
+# stopped after two of these windows.
+WINDOW = 0.2
+PERIOD = 0.04
+# Ratio between the gains of two models, and their number on each side of 1; chosen: from 0.4 to
+# 2.5, in steps that a parabola bridges.
+STEP, STEPS = 1.12, 8
+MODELS = 2 * STEPS + 1
+# Errors of the dead time that count as such [s]; chosen: that of a sample of odometry, and twice.
+SHIFTS = -0.05, -0.025, 0.0, 0.025, 0.05
+# Slowest commands of a window [m/s]; chosen: about as slow as anything is pushed.
+MIN_SPEED = 0.06
+# Part of the mean square of the velocity that the best model leaves, the same of what the present
+# one leaves, and by how much that is more [m/s]. Chosen: errors of accelerations and lags, which
+# change within a window, do not fit so well.
+MAX_UNEXPLAINED = 0.02
+MAX_ERROR_RATIO = 0.2
+MIN_IMPROVEMENT = 0.008
+# Lag [s] and difference of velocities [m/s, rad/s] in place of none; chosen: as good as none.
+MIN_LAG, MIN_MISSING = 1e-4, 1e-9
+# Windows in a row that have to agree, and ratio of the gains up to which they do; chosen.
+ENOUGH_RESULTS = 4
+AGREEMENT = 1.1
+
+
+class GainChange(NamedTuple):
+    """
+    Gains over those that were believed.
+
+    :param first: of the left wheel, or of the translation of a holonomic base.
+    :param second: of the right wheel, or of the rotation.
+    """
+
+    first: float
+    second: float
+
+
+class GainWindow(NamedTuple):
+    """
+    What was commanded and measured.
+
+    :param times: of the measurements, shape (n,) [s].
+    :param measured: twists, shape (n, 3) [m/s, m/s, rad/s].
+    :param commands: that act between two measurements, later by each of the ``SHIFTS``, shape
+        (s, n - 1, 3).
+    """
+
+    times: FloatArray
+    measured: FloatArray
+    commands: FloatArray
+
+
+class GainSearch:
+    """Compares gains by windows of motion."""
+
+    def __init__(self, robot: RoundRobot, channels: FloatArray) -> None:
+        """
+        Start without any window.
+
+        :param robot: the ``RoundRobot``, nominal.
+        :param channels: from a twist to the speeds that count, shape (k, 3).
+        """
+        self._robot = robot
+        self._channels = channels
+        ratios: FloatArray = STEP ** np.arange(-STEPS, STEPS + 1, dtype=np.float64)
+        ones = np.ones(len(ratios))
+        # Both gains alike, the first one alone, the second one alone.
+        self._families = ((ratios, ratios), (ratios, ones), (ones, ratios))
+        self._matrices = np.array([gain_matrix(robot, first, second) for family in self._families
+                                   for first, second in zip(*family)])
+        self._results: deque[GainChange] = deque(maxlen=ENOUGH_RESULTS)
+
+    def clear(self) -> None:
+        """Forget the windows until now."""
+        self._results.clear()
+
+    def add(self, window: GainWindow) -> GainChange | None:
+        """
+        Compare all models with a window.
+
+        :param window: of a base whose commands are as the gains that are believed have it.
+        :return: the ``GainChange`` that the last windows agree on, else None.
+        """
+        is_fast = self._are_fast(window.commands)
+        if not any(is_fast):
+            return None
+        measured = window.measured @ self._channels.T
+        mean_square = float((measured ** 2).sum(axis=1).mean())
+        present = float(self._errors(window, np.eye(3)[None])[0])
+        if present <= MIN_IMPROVEMENT ** 2:
+            self._results.clear()
+            return None
+        errors = self._errors(window, self._matrices)
+        for family, may_differ in enumerate((True, *is_fast)):
+            if not may_differ:
+                errors[family * MODELS:(family + 1) * MODELS] = math.inf
+        best = int(errors.argmin())
+        least = float(errors[best])
+        if not (least < MAX_UNEXPLAINED * mean_square and least < MAX_ERROR_RATIO * present
+                and present - least > MIN_IMPROVEMENT ** 2):
+            self._results.clear()
+            return None
+        self._results.append(self._interpolated(errors, best))
+        return self._agreed()
+
+    def _are_fast(self, commands: FloatArray) -> tuple[bool, bool]:
+        """Tell which of both wheels, or translation and rotation, are driven fast all along."""
+        if self._robot.drive == 'differential':
+            speeds = np.abs(commands @ self._channels.T)
+        else:
+            translation = np.hypot(commands[..., 0], commands[..., 1])
+            speeds = np.stack((translation, np.abs(commands @ self._channels[2])), axis=-1)
+        first, second = (speeds.min(axis=(0, 1)) >= MIN_SPEED).tolist()
+        return first, second
+
+    def _errors(self, window: GainWindow, matrices: FloatArray) -> FloatArray:
+        """Compute e of some models, by their matrices of shape (m, 3, 3)."""
+        robot = self._robot
+        # By shift, sample and model.
+        commands = np.einsum('mij,snj->snmi', matrices, window.commands)
+        velocities = np.tile(window.measured[0], (len(SHIFTS), len(matrices), 1))
+        errors = np.zeros(velocities.shape[:2])
+        for k, duration in enumerate(np.diff(window.times)):
+            missing = commands[:, k] - velocities
+            decay = -math.expm1(-duration / max(robot.time_constant, MIN_LAG))
+            sizes = np.maximum(np.hypot(missing[..., 0], missing[..., 1]), MIN_MISSING)
+            missing[..., :2] *= np.minimum(decay, robot.max_acceleration * duration
+                                           / sizes)[..., None]
+            missing[..., 2] *= np.minimum(decay, robot.max_yaw_acceleration * duration
+                                          / np.maximum(np.abs(missing[..., 2]), MIN_MISSING))
+            velocities += missing
+            differences = (velocities - window.measured[k + 1]) @ self._channels.T
+            errors += (differences ** 2).sum(axis=-1)
+        return errors.min(axis=0) / (len(window.times) - 1)
+
+    def _interpolated(self, errors: FloatArray, best: int) -> GainChange:
+        """Find the gains of the least error between two models."""
+        family, index = divmod(best, MODELS)
+        values = errors[family * MODELS:(family + 1) * MODELS].tolist()
+        ratio = STEP ** (index - STEPS + vertex_offset(values, index))
+        return (GainChange(ratio, ratio), GainChange(ratio, 1.0), GainChange(1.0, ratio))[family]
+
+    def _agreed(self) -> GainChange | None:
+        if len(self._results) < ENOUGH_RESULTS:
+            return None
+        gains = list(zip(*self._results))
+        if any(max(values) > AGREEMENT * min(values) for values in gains):
+            return None
+        self._results.clear()
+        first, second = map(statistics.median, gains)
+        return GainChange(first, second)
