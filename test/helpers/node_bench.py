@@ -22,6 +22,9 @@ import yaml
 # No wait of a test is a measure of speed: what is awaited comes, or a node dies, which ends the
 # wait at once. This only keeps a suite from hanging [s].
 TIMEOUT = 400.0
+# The same for the reaction of a node that has nothing to compile or to plan for it, as a zero or
+# the end of a cancelled goal: a test of a node that does not react ends earlier [s].
+REACTION_TIMEOUT = 60.0
 # Wall time after which a service is called, or a measurement sent, again [s]: long enough for a
 # node that has to wait for the processor, as what is repeated must have been lost.
 ANSWER_WAIT = 20.0
@@ -85,9 +88,9 @@ class Bench:
         """Publish bytes in place of a message, on a topic that was published to before."""
         self._publishers[topic].publish(data)
 
-    def wait_until(self, condition):
+    def wait_until(self, condition, timeout=TIMEOUT):
         """Spin until a condition holds; fail where a node dies."""
-        end = time.monotonic() + TIMEOUT
+        end = time.monotonic() + timeout
         while not condition():
             self.processes.check()
             assert time.monotonic() < end, 'timed out; ' + ''.join(

@@ -8,7 +8,7 @@ import subprocess
 import sys
 
 from geometry_msgs.msg import PoseStamped, Twist as TwistMessage
-from helpers.node_bench import bench
+from helpers.node_bench import bench, REACTION_TIMEOUT
 from push_model.files.data import config_file
 from push_model.files.flat_values import to_parameter_values
 from push_model.geometry import distance, Pose
@@ -179,7 +179,7 @@ def test_the_robot_stops_when_the_controller_is_shut_down(tmp_path, trajectory, 
         begin(b, trajectory)
         b.processes.send(CONTROLLER, number)
         b.processes.stop(CONTROLLER)
-        b.wait_until(lambda: b.received['cmd_vel'])
+        b.wait_until(lambda: b.received['cmd_vel'], REACTION_TIMEOUT)
         command = b.received['cmd_vel'][0].twist
         assert (command.linear.x, command.linear.y, command.angular.z) == ZERO
 

@@ -5,7 +5,7 @@ import time
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, TwistStamped
 from helpers.architecture import ROOT
 from helpers.build_interfaces import available
-from helpers.node_bench import bench
+from helpers.node_bench import bench, REACTION_TIMEOUT
 from nav_msgs.msg import OccupancyGrid, Odometry
 from push_model.files.flat_values import to_parameter_values
 from push_model.signals import ObjectPose, Odometry as MeasuredOdometry, STOP
@@ -65,7 +65,7 @@ class Robot:
         def naming():
             return [status for status in self.statuses(INPUTS) if status.level == WARN
                     and all(word in status.message for word in words)]
-        self.b.wait_until(naming)
+        self.b.wait_until(naming, REACTION_TIMEOUT)
         return status_values(naming()[0])
 
     def give_goal(self):

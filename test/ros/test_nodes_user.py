@@ -7,7 +7,7 @@ import sys
 import time
 
 from geometry_msgs.msg import PoseStamped
-from helpers.node_bench import bench, TIMEOUT
+from helpers.node_bench import bench, REACTION_TIMEOUT, TIMEOUT
 from lifecycle_msgs.msg import State, Transition
 from lifecycle_msgs.srv import ChangeState, GetState
 from push_control.ros.commands import STOP_COMMANDS
@@ -192,8 +192,9 @@ def test_diagnostics_are_for_people_and_programs(setup):
 def test_lost_odometry_stops_the_robot(setup):
     """With some zeros, then silence; odometry that stays away is an error."""
     push(setup)
-    setup.b.wait_until(lambda: ERROR in setup.levels('no odometry'))
-    setup.b.wait_until(lambda: speeds(setup)[-STOP_COMMANDS:] == [0.0] * STOP_COMMANDS)
+    setup.b.wait_until(lambda: ERROR in setup.levels('no odometry'), REACTION_TIMEOUT)
+    setup.b.wait_until(lambda: speeds(setup)[-STOP_COMMANDS:] == [0.0] * STOP_COMMANDS,
+                       REACTION_TIMEOUT)
     setup.b.wait_for_silence('cmd_vel')
     assert speeds(setup)[-STOP_COMMANDS:] == [0.0] * STOP_COMMANDS
 
@@ -228,7 +229,8 @@ def test_an_inactive_controller_stops_the_robot_and_is_silent(setup):
     assert setup.state(CONTROLLER) == State.PRIMARY_STATE_ACTIVE
     push(setup)
     assert setup.change_state(CONTROLLER, Transition.TRANSITION_DEACTIVATE)
-    setup.b.wait_until(lambda: speeds(setup)[-STOP_COMMANDS:] == [0.0] * STOP_COMMANDS)
+    setup.b.wait_until(lambda: speeds(setup)[-STOP_COMMANDS:] == [0.0] * STOP_COMMANDS,
+                       REACTION_TIMEOUT)
     setup.forget()
     for _ in range(20):
         setup.measure()

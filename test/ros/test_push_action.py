@@ -8,7 +8,7 @@ from builtin_interfaces.msg import Duration
 from geometry_msgs.msg import PoseStamped
 from helpers.architecture import ROOT
 from helpers.build_interfaces import available
-from helpers.node_bench import bench, TIMEOUT
+from helpers.node_bench import bench, REACTION_TIMEOUT, TIMEOUT
 from push_control.events import TaskEvent
 from push_model.files.data import config_file
 from push_model.files.flat_values import to_parameter_values
@@ -90,9 +90,9 @@ class Client:
         self.now += PERIOD
         self.b.clock(self.now)
 
-    def measure_until(self, condition):
+    def measure_until(self, condition, timeout=TIMEOUT):
         """Let time pass until a condition holds."""
-        end = time.monotonic() + TIMEOUT
+        end = time.monotonic() + timeout
         while not condition():
             self.b.processes.check()
             self.measure()
@@ -207,9 +207,9 @@ def test_a_goal_that_odometry_alone_knows_says_how_well(client):
 def cancel(client: Client, handle: ClientGoalHandle, result: Future) -> None:
     """Cancel the goal, and wait until it has ended as cancelled."""
     cancelled = handle.cancel_goal_async()
-    client.b.wait_until(cancelled.done)
+    client.b.wait_until(cancelled.done, REACTION_TIMEOUT)
     assert len(cancelled.result().goals_canceling) == 1
-    client.measure_until(result.done)
+    client.measure_until(result.done, REACTION_TIMEOUT)
     assert result.result().status == GoalStatus.STATUS_CANCELED
     assert result.result().result.error_code == client.action.Result.NONE
 
@@ -320,8 +320,8 @@ def test_a_goal_may_name_another_object(client):
         client.measure_until(lambda: reference_object(
             from_request_message(requests[-1], 'odom').obj) == reference_object(obj))
         assert client.statuses[-1].object_name == name
-        client.b.wait_until(handle.cancel_goal_async().done)
-        client.measure_until(result.done)
+        client.b.wait_until(handle.cancel_goal_async().done, REACTION_TIMEOUT)
+        client.measure_until(result.done, REACTION_TIMEOUT)
     assert first.result().result.error_code == client.action.Result.PREEMPTED
 
 
@@ -340,8 +340,8 @@ def test_the_object_may_be_set_as_a_parameter(client):
         handle, result = client.send(GOAL, object_name=name)
         client.measure_until(
             lambda: requests and from_request_message(requests[-1], 'odom').obj.mass == mass)
-        client.b.wait_until(handle.cancel_goal_async().done)
-        client.measure_until(result.done)
+        client.b.wait_until(handle.cancel_goal_async().done, REACTION_TIMEOUT)
+        client.measure_until(result.done, REACTION_TIMEOUT)
 
 
 def test_a_goal_pose_takes_the_place_of_a_goal_of_the_action(client):
