@@ -47,6 +47,13 @@ def test_a_seed_decides_everything():
     assert not np.array_equal(one[0], tasks[0].reset()[0])
 
 
+@pytest.mark.parametrize('is_noisy', [False, True])
+def test_a_seed_decides_the_noise_where_there_is_any(is_noisy):
+    task = environment.PushTask(is_noisy=is_noisy)
+    one, other = (episode(task, [AHEAD] * 5, seed=seed, options=NEAR)[0] for seed in (5, 6))
+    assert np.array_equal(one, other) != is_noisy
+
+
 def test_rewards_sum_up_to_the_way_that_was_gained():
     task = environment.PushTask()
     task.reset(options=NEAR)
