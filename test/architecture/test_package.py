@@ -44,6 +44,8 @@ def outside(directory, domain=0):
     environment = {key: value for key, value in private_environment(domain).items()
                    if key not in SOURCED}
     environment.update(HOME=str(directory), ROS_LOG_DIR=str(directory / 'ros_log'))
+    # What ros2 run starts takes the first python3 of the path: here that of the tests.
+    environment['PATH'] = os.pathsep.join([str(Path(sys.executable).parent), os.environ['PATH']])
     # The same sources need not be compiled again.
     environment.setdefault('XDG_CACHE_HOME', str(Path.home() / '.cache'))
     return environment
