@@ -105,6 +105,9 @@ CHANGE_PERIOD = 0.5
 # of gains that are believed. Chosen: below, a base is stopped rather than driven.
 EQUAL_GAIN = 0.07
 GAINS = 0.4, 1.6
+# Time of driving from which on gains are looked for although no dead time was found [s]; chosen:
+# slow accelerations are known by then.
+GAIN_DELAY = 2.0
 # A gap of odometry, or of commands, after which nothing is known of the time before [s].
 MAX_GAP = 0.5
 # Rounding of times [s].
@@ -182,6 +185,8 @@ class BaseIdentifier:
         self._accelerations = AccelerationSearch(), AccelerationSearch()
         self._gains = GainSearch(robot, self._channels)
         self._last_change = -math.inf
+        # Time for which it was driven [s].
+        self._driving_time = 0.0
         # Least speed or yaw rate as measured, without what pulses needed besides.
         self._measured_min_speeds = [robot.min_speed, robot.min_yaw_rate]
         self.knowledge = BaseKnowledge.stated(robot)
@@ -361,6 +366,12 @@ class BaseIdentifier:
     def _find_gains(self, time: float) -> None:
         """Find out whether the speeds are another part of what is commanded."""
         self._gains_due = time + GAIN_PERIOD - TIME_ROUNDING
+        if self._command != STOP:
+            self._driving_time += GAIN_PERIOD
+        # A dead time, or slow accelerations, show at the first starts and stops.
+        is_known = self.has_dead_time or self._driving_time > GAIN_DELAY
+        if not (is_known and self._is_as_stated):
+            return
         samples = np.array([sample for sample in self._measured
                             if sample[0] >= time - GAIN_WINDOW - TIME_ROUNDING])
         if len(samples) <= ENOUGH_RESULTS:

@@ -46,9 +46,9 @@ STATED, CLOSE = 0, 1
 HOLDING_SUM = 0.1
 # Greatest sum [s]; chosen: nothing is wrong half a second after the base follows again.
 MAX_SUM = 0.9
-# Sum from which on a base that is known to follow closely may have changed [s]; chosen: that of
-# two measurements.
-CHANGED_SUM = 0.02
+# Sum above which a base that is known to follow closely may have changed [s]; chosen: a single
+# measurement beyond its tolerance waits for the next.
+CHANGED_SUM = 0.0
 # Greatest sum while another check explains the motion [s]; chosen: a base that follows again is at
 # fault for three measurements more.
 EXPLAINED_SUM = MAX_RESIDUAL_SUM + 0.05
