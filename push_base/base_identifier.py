@@ -36,6 +36,7 @@ from push_base.gain_search import GainChange, GainSearch, GainWindow, SHIFTS
 from push_base.gain_search import PERIOD as GAIN_PERIOD
 from push_base.gain_search import WINDOW as GAIN_WINDOW
 from push_base.speed_gain import delivered, gain_matrix
+from push_base.velocity_history import VelocityHistory
 from push_dynamics import actuation
 from push_dynamics.compiled import interpreted
 from push_model.base_knowledge import BaseKnowledge, PULSE
@@ -204,8 +205,8 @@ class BaseIdentifier:
         self._start: float | None = None
         # Commands and responses of the models on the grid, and measurements.
         length = round((HISTORY + MAX_SHIFT) / STEP)
-        self._responses: list[deque[Twist]] = [deque(maxlen=length) for _ in ACCELERATION_RATIOS]
-        self._commands: deque[Twist] = deque(maxlen=length)
+        self._responses = [VelocityHistory(length) for _ in ACCELERATION_RATIOS]
+        self._commands = VelocityHistory(length)
         self._count = 0
         self._measured: deque[tuple[float, ...]] = deque()
         self._due = self._gains_due = -math.inf
@@ -285,12 +286,10 @@ class BaseIdentifier:
                 self._responses[index].append(velocity)
             self._count += 1
 
-    def _looked_up(self, rows: deque[Twist], times: FloatArray) -> FloatArray:
-        """Look rows of the grid up; the base has stood before the first one."""
-        grid = np.vstack([np.zeros(3), np.array(rows, dtype=np.float64)])
-        first = self._count - len(rows)
-        index = np.rint((times - (self._start or 0.0)) / STEP).astype(int) - first
-        return grid[np.clip(index, 0, len(rows))]
+    def _looked_up(self, history: VelocityHistory, times: FloatArray) -> FloatArray:
+        """Look velocities of the grid up."""
+        after_start = np.rint((times - (self._start or 0.0)) / STEP).astype(int)
+        return history.at(after_start - 1 - (self._count - len(history)))
 
     def _find_dead_time(self, samples: FloatArray) -> None:
         velocities = samples[:, 1:] @ self._channels.T
@@ -327,7 +326,8 @@ class BaseIdentifier:
         """Look up the responses of the models that the base may have; the quicker one is last."""
         translation, rotation = (search.model for search in self._accelerations)
         if translation == rotation == AS_STATED:
-            return [self._looked_up(rows, times) for rows in self._responses[:STATED_COUNT]]
+            return [self._looked_up(history, times)
+                    for history in self._responses[:STATED_COUNT]]
         response = self._looked_up(self._responses[_row(translation)], times)
         response[..., 2] = self._looked_up(self._responses[_row(rotation)], times)[..., 2]
         return [response]
@@ -342,8 +342,8 @@ class BaseIdentifier:
         """
         measured = samples[:, 1:] * (1.0, 1.0, self._half_track)
         squares = np.stack([
-            (measured - self._looked_up(rows, times) * (1.0, 1.0, self._half_track)) ** 2
-            for rows in self._responses])
+            (measured - self._looked_up(history, times) * (1.0, 1.0, self._half_track)) ** 2
+            for history in self._responses])
         is_better = False
         for search, channels in zip(self._accelerations, (slice(0, 2), slice(2, 3))):
             errors = squares[..., channels].sum(axis=3).mean(axis=2).min(axis=1)
@@ -396,10 +396,8 @@ class BaseIdentifier:
         matrix = gain_matrix(self._robot, first / known.first_gain, second / known.second_gain)
         self._command = _times(matrix, self._command)
         self._velocities = [_times(matrix, velocity) for velocity in self._velocities]
-        for rows in (self._commands, *self._responses):
-            scaled = [_times(matrix, row) for row in rows]
-            rows.clear()
-            rows.extend(scaled)
+        for history in (self._commands, *self._responses):
+            history.transform(matrix)
         self._gains_due = time + GAIN_WINDOW
 
     def _find_least_speeds(self, samples: FloatArray, time: float) -> None:

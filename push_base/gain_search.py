@@ -110,6 +110,9 @@ class GainSearch:
         is_fast = self._are_fast(window.commands)
         if not any(is_fast):
             return None
+        if self._error_as_believed(window) <= MIN_IMPROVEMENT ** 2:
+            self._results.clear()
+            return None
         measured = window.measured @ self._channels.T
         mean_square = float((measured ** 2).sum(axis=1).mean())
         present = float(self._errors(window, np.eye(3)[None])[0])
@@ -138,6 +141,24 @@ class GainSearch:
             speeds = np.stack((translation, np.abs(commands @ self._channels[2])), axis=-1)
         first, second = (speeds.min(axis=(0, 1)) >= MIN_SPEED).tolist()
         return first, second
+
+    def _error_as_believed(self, window: GainWindow) -> float:
+        """Compute e of the present gains and dead time alone, which most windows fit."""
+        robot = self._robot
+        v_x, v_y, omega = window.measured[0].tolist()
+        velocities = []
+        for (x, y, yaw_rate), duration in zip(
+                window.commands[len(SHIFTS) // 2].tolist(), np.diff(window.times).tolist()):
+            x, y, yaw_rate = x - v_x, y - v_y, yaw_rate - omega
+            decay = -math.expm1(-duration / max(robot.time_constant, MIN_LAG))
+            part = min(decay, robot.max_acceleration * duration
+                       / max(math.hypot(x, y), MIN_MISSING))
+            yaw_part = min(decay, robot.max_yaw_acceleration * duration
+                           / max(abs(yaw_rate), MIN_MISSING))
+            v_x, v_y, omega = v_x + part * x, v_y + part * y, omega + yaw_part * yaw_rate
+            velocities.append((v_x, v_y, omega))
+        differences = (np.array(velocities) - window.measured[1:]) @ self._channels.T
+        return float((differences ** 2).sum(axis=1).mean())
 
     def _errors(self, window: GainWindow, matrices: FloatArray) -> FloatArray:
         """Compute e of some models, by their matrices of shape (m, 3, 3)."""

@@ -22,6 +22,8 @@ BIN = bin_(feet=4)
 ROBOT = RoundRobot(radius=0.17, max_speed=0.3)
 BELIEF = FrictionBelief(friction_center(BIN), 0.5, 0.03, 0.1)
 GOALS = [Pose(0.02, -0.01, 0.05), Pose(-0.1, 0.2, 0.3), Pose(1.2, 0.3, -1.0), Pose(0.0, 0.0, 0.1)]
+# No measure of speed: it only keeps a suite from hanging [s].
+TIMEOUT = 400.0
 
 pytestmark = pytest.mark.slow
 
@@ -170,10 +172,10 @@ def test_what_another_process_is_making_is_waited_for(monkeypatch, tmp_path, pri
     monkeypatch.setattr(store, 'cache_directory', lambda: PrivateFolder(tmp_path))
     is_begun, may_end, made = threading.Event(), threading.Event(), []
 
-    def build(*_):
+    def build(*_, **__):
         made.append(None)
         is_begun.set()
-        may_end.wait()
+        assert may_end.wait(TIMEOUT)
         return primitives.table
 
     monkeypatch.setattr(store, 'build_table', build)
@@ -182,7 +184,7 @@ def test_what_another_process_is_making_is_waited_for(monkeypatch, tmp_path, pri
     with futures.ThreadPoolExecutor(2) as pool:
         # Locks of files are between descriptors, so that threads are as good as processes.
         loaded = [pool.submit(store.load_primitives, BIN, ROBOT)]
-        is_begun.wait()
+        assert is_begun.wait(TIMEOUT)
         loaded.append(pool.submit(store.load_primitives, BIN, ROBOT))
         # Without a lock the second one would make them as well, at once.
         futures.wait(loaded[1:], timeout=0.2)

@@ -51,6 +51,11 @@ def run(name, law, intervene=None, **changes):
     return simulate(scenario, law, intervene=intervene)
 
 
+def unlearned(name):
+    """Return the robot of a scenario, which does not find out what its base is like."""
+    return dataclasses.replace(load_scenario(name).robot, identify_base=False)
+
+
 def check_bounds(result):
     """Check that the push has ended within length and floor of its first plan."""
     scenario = result.scenario
@@ -84,7 +89,8 @@ def test_a_push_with_a_slow_wheel_ends(name, law, wheels):
 def test_a_push_keeps_to_the_floor_that_the_settings_leave():
     """A narrow one ends it, and no other plan is requested, which would begin beyond it."""
     control = dataclasses.replace(load_scenario('curved_push').control, max_path_deviation=0.03)
-    result = run('curved_push', 'feedback', SlowWheels(0.9, 1.0), control=control)
+    result = run('curved_push', 'feedback', SlowWheels(0.9, 1.0), control=control,
+                 robot=unlearned('curved_push'))
     assert result.outcome is Outcome.FAILED and PushEvent.LEFT_FLOOR in result.codes
     check_bounds(result)
 
@@ -103,7 +109,8 @@ def test_no_push_is_needed_within_the_tolerances():
 
 def test_a_push_that_ends_beside_its_goal_says_so_once():
     """A plan that would need more floor than the first one is not followed."""
-    result = run('curved_push', 'feedback', SlowWheels(0.9, 1.0))
+    result = run('curved_push', 'feedback', SlowWheels(0.9, 1.0),
+                 robot=unlearned('curved_push'))
     parts = result.reason.split('; ')
     assert parts[-1] == PushEvent.PLAN_EXCEEDS_FLOOR.value.split('; ')[-1] and len(parts) == 2
     assert math.dist(result.tape.poses('object')[-1, :2], result.scenario.goal.pose[:2]) < 0.5

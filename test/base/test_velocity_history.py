@@ -1,0 +1,33 @@
+"""The newest velocities on a grid, against a list of all of them."""
+
+import numpy as np
+from push_base.velocity_history import VelocityHistory
+from push_model.signals import Twist
+import pytest
+
+LENGTH = 7
+
+
+@pytest.mark.parametrize('count', [0, 1, LENGTH, LENGTH + 1, 10 * LENGTH + 3])
+def test_it_keeps_the_newest(count):
+    """Before the oldest one that is kept the base stands; behind the newest it goes on."""
+    history, rng = VelocityHistory(LENGTH), np.random.default_rng(1)
+    everything = [Twist(*rng.normal(size=3)) for _ in range(count)]
+    for velocity in everything:
+        history.append(velocity)
+    kept = everything[-LENGTH:]
+    assert len(history) == len(kept)
+    places = np.array([[-LENGTH, -1, 0], [len(kept) // 2, len(kept) - 1, len(kept) + 3]])
+    expected = [[kept[min(place, len(kept) - 1)] if kept and place >= 0 else Twist(0.0, 0.0, 0.0)
+                 for place in row] for row in places.tolist()]
+    np.testing.assert_array_equal(history.at(places), expected)
+
+
+def test_a_matrix_applies_to_all_that_are_kept():
+    """And not to those that come later."""
+    history, matrix = VelocityHistory(LENGTH), np.array([[2., 0., 1.], [0., 3., 0.], [0., 0., 4.]])
+    history.append(Twist(1.0, 2.0, 3.0))
+    history.transform(matrix)
+    history.append(Twist(1.0, 2.0, 3.0))
+    np.testing.assert_array_equal(history.at(np.arange(-1, 2)),
+                                  [[0.0, 0.0, 0.0], [5.0, 6.0, 12.0], [1.0, 2.0, 3.0]])
