@@ -44,11 +44,14 @@ class ObstacleGuard:
         :param robot_poses: likewise.
         :param dt: time since the last call [s].
         """
-        clearances, count = self._clearances(object_poses, robot_poses), len(np.asarray(
-            object_poses))
+        clearances = self._clearances(object_poses, robot_poses)
+        count = len(np.asarray(object_poses))
         self._elapsed += dt
         if self._last is None or count != self._count:
-            self._last, self._elapsed, self._count = clearances, 0.0, count
+            # Poses of other members, or of another number of them, tell of no motion.
+            self._last = clearances
+            self._elapsed = 0.0
+            self._count = count
         elif self._elapsed >= MEASURED_TIME:
             self._rates = [(now - before) / self._elapsed
                            for now, before in zip(clearances, self._last)]

@@ -13,7 +13,7 @@ DESCRIPTION = 'Saved from the page; it began as {name}.'
 
 def saved_scenario(setup: Setup, occupancy_map: OccupancyMap | None) -> str:
     """
-    Write a set-up as YAML, which ``replay`` reads.
+    Write a set-up as YAML, which ``push replay`` reads.
 
     :param occupancy_map: map with the walls that were drawn; None for open floor.
     """

@@ -3,7 +3,7 @@ Hypotheses of a contact: as stated, with little friction, or pushed by wheels th
 
 At first contact the ensemble is forked. One fork has a low contact friction (``slip_detector``),
 one has wheels that creep (``wheel_creep``). All follow the same measurements, and the likelihood
-of the object poses decides which one is kept (``hypothesis_test``). Wheels are said to creep only
+of the object poses decides which one is kept (``hypothesis_odds``). Wheels are said to creep only
 where nothing else explains the poses as well.
 """
 
@@ -11,7 +11,7 @@ from typing import NamedTuple, Sequence
 
 from push_control.perception.ensemble.ensemble_reading import EnsembleReading
 from push_control.perception.ensemble.ensemble_state import RobotMemory
-from push_control.perception.ensemble.hypothesis_test import HypothesisTest, Verdict
+from push_control.perception.ensemble.hypothesis_odds import HypothesisTest, Verdict
 from push_control.perception.ensemble.measurement_update import COUPLING_TIME
 from push_control.perception.ensemble.push_ensemble import PushEnsemble
 from push_control.perception.ensemble.slip_detector import SlipDetector, slippery_friction

@@ -5,7 +5,7 @@ Below the friction that a push needs the contact slides, above it nothing depend
 """
 
 import numpy as np
-from push_control.perception.ensemble.hypothesis_test import HypothesisTest
+from push_control.perception.ensemble.hypothesis_odds import HypothesisTest
 from push_model.geometry import FloatArray
 
 # Contact friction up to which a contact is slippery, over the nominal one; chosen: two deviations

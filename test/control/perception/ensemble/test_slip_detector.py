@@ -6,7 +6,7 @@ from helpers.ensemble_runs import ROBOT, run
 from helpers.objects import bin_, box
 import numpy as np
 from push_control.perception.ensemble.ensemble_state import OdometryNoise
-from push_control.perception.ensemble.hypothesis_test import (
+from push_control.perception.ensemble.hypothesis_odds import (
     ACCEPTED_ODDS, PRIOR_ODDS, REJECTED_ODDS, Verdict)
 from push_control.perception.ensemble.push_ensemble import PushEnsemble
 from push_control.perception.ensemble.slip_detector import (
