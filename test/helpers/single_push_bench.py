@@ -15,9 +15,11 @@ from push_planner.problem import problem_from_placement
 from push_planner.steered.planner import plan_push
 from push_ros.conversions.plan import to_plan_message
 from push_ros.conversions.primitives import to_pose_message
+from push_ros.diagnostics import WARN
 from push_ros.topics import CONTROLLER
 from push_scenario.definition.catalogue import find_scenario
 from push_scenario.definition.loader import read_scenario
+from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
 
 SCENARIO = read_scenario(find_scenario('straight_push'))
 OBJECT, ROBOT, GOAL = SCENARIO.start.object.pose, SCENARIO.robot_start, SCENARIO.goal.pose
@@ -96,6 +98,19 @@ class SinglePushBench:
         self.send_goal(goal)
         self.b.repeat_until(self.measure, lambda: len(requests) > count, period=0.0)
         return requests[-1]
+
+    @property
+    def sender(self) -> str:
+        """What reports say of who sends plans: this bench alone."""
+        return f'push_plan is published by /{self.b.node.get_name()}'
+
+    def introduce(self) -> None:
+        """Send a plan that nobody has asked for, until the report on it names the sender."""
+        # The middleware knows a publisher before it knows the name of its node.
+        unrequested = JointTrajectory(points=[JointTrajectoryPoint()])
+        self.b.repeat_until(lambda: self.b.publish('push_plan', unrequested),
+                            lambda: self.reports(self.sender, WARN))
+        self.b.received['diagnostics'].clear()
 
     def send(self, trajectory: PushTrajectory, stamp: Any) -> None:
         """Publish a plan."""

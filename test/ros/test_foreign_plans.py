@@ -52,7 +52,9 @@ def lasting(tmp_path_factory: pytest.TempPathFactory) -> Iterator[SinglePushBenc
     """Start a controller with settings of their own defaults."""
     with bench(tmp_path_factory.mktemp('plans'), CONTROLLER, 'push_control.controller_node',
                {**PHYSICS, 'use_sim_time': True, 'lockstep': True}) as b:
-        yield SinglePushBench(b)
+        made = SinglePushBench(b)
+        made.introduce()
+        yield made
 
 
 @pytest.fixture
@@ -67,8 +69,7 @@ def test_a_plan_without_any_goal_is_not_driven(controller: SinglePushBench,
     """Its sender is named, and nothing moves."""
     controller.measure()
     controller.send(valid, to_stamp(controller.now))
-    assert controller.wait_for(UNREQUESTED, WARN).endswith(
-        f'push_plan is published by /{controller.b.node.get_name()}')
+    assert controller.wait_for(UNREQUESTED, WARN).endswith(controller.sender)
     assert controller.measure() == {ZERO}
 
 
@@ -125,7 +126,7 @@ def test_an_answer_that_does_not_fit_its_request_is_not_driven(
     """Though it has the stamp of the request; the goal has no plan then, and the robot stands."""
     spoil, text = ATTACKS[name]
     controller.send(spoil(valid), controller.request().header.stamp)
-    assert 'push_plan is published by /' in controller.wait_for(text, ERROR)
+    assert controller.wait_for(text, ERROR).endswith(f'{controller.sender}; stopped')
     assert controller.measure() == {ZERO}
 
 
@@ -154,7 +155,7 @@ def test_an_answer_that_is_none_is_not_driven(
     message = to_plan_message(valid, controller.request().header.stamp, 'odom')
     spoil(message)
     controller.b.publish('push_plan', message)
-    assert 'push_plan is published by /' in controller.wait_for(text, ERROR)
+    assert controller.wait_for(text, ERROR).endswith(f'{controller.sender}; stopped')
     assert controller.measure() == {ZERO}
 
 
@@ -190,8 +191,7 @@ def test_nobody_else_disturbs_a_push(controller: SinglePushBench, valid: PushTra
             (plan(goal=Pose(1.5, *GOAL[1:])), request.header.stamp, ANSWERED)):
         message = to_plan_message(trajectory, stamp, 'odom')
         # A plan may come before the name of its sender is known.
-        name = controller.b.node.get_name()
-        senders = f'{text}; push_plan is published by /{name} and /stranger'
+        senders = f'{text}; {controller.sender} and /stranger'
         controller.b.repeat_until(lambda: publisher.publish(message),
                                   lambda: controller.reports(senders, WARN))
         controller.b.received['diagnostics'].clear()
@@ -251,7 +251,7 @@ def test_a_task_drives_only_answers_that_fit(tmp_path_factory: pytest.TempPathFa
                              (elsewhere, 'got a push at face 40, expected one from 0 to')):
             count = len(task.requests)
             task.send(spoilt, task.requests[-1].header.stamp)
-            assert 'push_plan is published by /' in task.wait_for(text, ERROR)
+            assert task.wait_for(text, ERROR).endswith(f'{task.sender}; stopped')
             task.measure_until(lambda: len(task.requests) > count)
         assert all(command.twist.linear.x == 0.0 for command in b.received['cmd_vel'])
 
@@ -265,6 +265,7 @@ class TaskBench:
         b.wait_until(lambda: b.received['diagnostics'])
         b.clock(0.0)
         b.connect(start, place)
+        self.introduce()
         message = PoseStamped(pose=to_pose_message(TASK.goal.pose))
         message.header.frame_id = 'odom'
         b.publish('goal_pose', message)
@@ -284,5 +285,6 @@ class TaskBench:
                 ('odom', to_odometry_message(Odometry(self.now, self.place, STOP), 'odom',
                                              'base_link'))]
 
-    send = SinglePushBench.send
+    sender, introduce, send = (
+        SinglePushBench.sender, SinglePushBench.introduce, SinglePushBench.send)
     reports, wait_for = SinglePushBench.reports, SinglePushBench.wait_for

@@ -96,7 +96,7 @@ def stage(tmp_path):
         def have_met():
             for node in nodes:
                 node.controller._others._look()
-            return all(node.controller._others.names for node in nodes)
+            return all(node.controller._others.names == f'/{CONTROLLER}' for node in nodes)
         made.step()
         made.wait_until(have_met)
         yield made
