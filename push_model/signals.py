@@ -1,5 +1,6 @@
 """Measurements and commands, the pure counterparts of the topics."""
 
+import enum
 import math
 from typing import Literal, NamedTuple
 
@@ -137,3 +138,63 @@ class ObjectPose(NamedTuple):
     pose: Pose
     covariance: PoseCovariance | None = None
     relative: Pose | None = None
+
+
+class LidarScan(NamedTuple):
+    """
+    One turn of a lidar in the plane.
+
+    :param time: of the first beam [s].
+    :param ranges: of the beams, shape (n,) [m]; those outside the limits measure nothing.
+    :param angle_min: direction of the first beam in the frame of the lidar [rad].
+    :param angle_increment: from one beam to the next [rad].
+    :param time_increment: from one beam to the next [s].
+    :param range_min: limit of what is measured [m].
+    :param range_max: limit of what is measured [m].
+    """
+
+    time: float
+    ranges: FloatArray
+    angle_min: float
+    angle_increment: float
+    time_increment: float
+    range_min: float
+    range_max: float
+
+    @property
+    def middle(self) -> float:
+        """Time of the middle of the scan [s]."""
+        return self.time + 0.5 * (len(self.ranges) - 1) * self.time_increment
+
+    @property
+    def end(self) -> float:
+        """Time of the last beam [s]."""
+        return self.time + (len(self.ranges) - 1) * self.time_increment
+
+
+class PlaceStatus(enum.Enum):
+    """Status of the place of a robot in a map."""
+
+    TRACKED = 'tracked'
+    # What is measured does not fit the map: robot or map are elsewhere.
+    LOST = 'lost'
+    # The robot was lost, and is elsewhere than it seemed to be.
+    REGAINED = 'regained'
+
+
+class RobotPlace(NamedTuple):
+    """
+    Place of the robot in a map, measured beside drifting odometry.
+
+    Its errors last: they are those of the map, the same in the next measurement.
+
+    :param time: of the measurement [s].
+    :param pose: ``Pose`` of the robot in the world.
+    :param covariance: ``PoseCovariance`` of it, of all measurements so far.
+    :param status: ``PlaceStatus``.
+    """
+
+    time: float
+    pose: Pose
+    covariance: PoseCovariance
+    status: PlaceStatus = PlaceStatus.TRACKED

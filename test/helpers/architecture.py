@@ -11,7 +11,8 @@ from typing import NamedTuple
 ROOT = Path(__file__).resolve().parents[2]
 GENERATED = {'.git', '.venv', '.pytest_cache', '__pycache__', 'build', 'install', 'log', 'out'}
 PLAIN = ('push_model', 'push_dynamics', 'push_primitives', 'push_navigation', 'push_base',
-         'push_safety', 'push_planner', 'push_control', 'push_sim_node', 'push_scenario')
+         'push_localization', 'push_safety', 'push_planner', 'push_control', 'push_sim_node',
+         'push_scenario')
 # What predicts pushes, below planner and controller.
 PREDICTION = {'push_model', 'push_dynamics', 'push_primitives', 'push_navigation'}
 MAY_IMPORT = {
@@ -22,8 +23,9 @@ MAY_IMPORT = {
     'push_ros': {'push_model', 'push_navigation'},
     'push_planner': PREDICTION,
     'push_base': {'push_model', 'push_dynamics'},
+    'push_localization': {'push_model'},
     'push_safety': {'push_model', 'push_dynamics', 'push_base'},
-    'push_control': PREDICTION | {'push_base', 'push_safety'},
+    'push_control': PREDICTION | {'push_base', 'push_localization', 'push_safety'},
     'push_sim_node': {'push_model', 'push_dynamics'},
     'push_tracker': {'push_model'},
     'push_scenario': set(PLAIN) - {'push_scenario'},

@@ -1,0 +1,232 @@
+"""
+The place of the robot, scan by scan.
+
+State are the pose of the robot (x, y, heading), the scale error e of its odometry and the drift d
+of the heading per distance. A step (dx, dy, dt) of odometry of length l, in the robot's axes,
+predicts
+
+    p <- p + (1 + e) R (dx, dy),    heading <- heading + dt + d l,
+
+and a scan corrects the pose by a match to the walls of the map (``matching``), whose covariance
+counts as of errors that last (``fusion``). At the start a grid is searched; a robot whose scans do
+not fit for a while is lost, and looked for elsewhere.
+"""
+
+import math
+
+import numpy as np
+from push_localization.fusion import fused_covariance
+from push_localization.matching import Match, placed, Prior, ScanMatcher
+from push_localization.object_beams import sees_object
+from push_localization.scan_points import LidarMount, MotionBuffer, scan_points, ScanPoints
+from push_localization.search import likelihood, search, SearchRange, start_range
+from push_localization.settings import PlaceSettings
+from push_localization.wall_field import WallField
+from push_model.geometry import FloatArray, Pose
+from push_model.parameters import PushedObject
+from push_model.signals import (
+    LidarScan, ObjectPose, Odometry, PlaceStatus, PoseCovariance, RobotPlace,
+)
+
+# Standard deviations of scale and drift [rad/m], and random walks per root of the distance, of the
+# position, of the heading, per rotation, and of scale and drift; chosen: as odometry of wheels.
+SCALE_STD, DRIFT_STD = 0.02, 0.02
+WALK, HEADING_WALK, TURN_WALK, ERROR_WALK = 0.003, 0.01, 0.02, 0.002
+# Beams of walls below which a scan tells nothing; chosen: a pole or two are no place.
+MIN_BEAMS = 40
+# Fit below which scans do not fit, how many in a row mean that the robot is lost, and how often it
+# is looked for then [s]; measured: fits are 0.92 in the median while tracking, 0.16 when lost.
+MIN_FIT, MAX_MISFITS, SEARCH_PERIOD = 0.45, 10, 1.0
+# Range in which a lost robot is looked for, standard deviations of what is found, and by how much
+# it must fit, and fit better than the present place; measured: less takes wrong places.
+LOST_RANGE = SearchRange(1.0, math.radians(50.0))
+REGAINED_STDS = 0.1, 0.1, math.radians(5.0)
+MIN_LIKELIHOOD, MIN_GAIN = 0.5, 0.2
+# Standard deviations of a lost robot, before which no place is likelier [m], [rad].
+LOST_STDS = 1.0, 1.0, 1.0
+# Age of the state after which it is moved on without a scan, and how far behind it then stays [s];
+# chosen: scans are late by less.
+MAX_AGE, LATENCY = 2.0, 0.5
+
+
+class LidarLocalizer:
+    """Finds the place of the robot in a map by scans of its lidar."""
+
+    def __init__(self, settings: PlaceSettings, obj: PushedObject) -> None:
+        """
+        Wait for odometry, a map and scans.
+
+        :param settings: ``PlaceSettings``.
+        :param obj: the ``PushedObject``, which scans see and the map does not have.
+        """
+        self._settings = settings
+        self._object = obj
+        self._matcher: ScanMatcher | None = None
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget all measurements; the map stays."""
+        self._motion = MotionBuffer()
+        self._scan: LidarScan | None = None
+        self._mount = LidarMount(self._settings.mount_pose)
+        # State (x, y, heading, scale, drift), its covariance and its time.
+        self._state: FloatArray = np.zeros(5)
+        self._covariance: FloatArray = np.zeros((5, 5))
+        self._time = -math.inf
+        self._has_started = False
+        self._misfits = 0
+        self._searched_at = -math.inf
+
+    @property
+    def is_lost(self) -> bool:
+        """Tell whether scans have not fitted for a while."""
+        return self._misfits >= MAX_MISFITS
+
+    def set_field(self, field: WallField | None) -> None:
+        """
+        Set the walls, None for no map.
+
+        :param field: ``WallField``.
+        """
+        self._matcher = None if field is None else ScanMatcher(field, self._settings)
+
+    def set_object(self, obj: PushedObject) -> None:
+        """
+        Push another object.
+
+        :param obj: the ``PushedObject``.
+        """
+        self._object = obj
+
+    def add_odometry(self, odometry: Odometry) -> None:
+        """
+        Take in odometry.
+
+        :param odometry: finite ``Odometry``; one that is not newer than the last is ignored.
+        """
+        if self._time == -math.inf:
+            self._begin_at(odometry)
+        self._motion.append(odometry)
+        if odometry.time - self._time > MAX_AGE:
+            self._predict(odometry.time - LATENCY)
+
+    def _begin_at(self, odometry: Odometry) -> None:
+        """Begin where odometry has the robot, as well as the settings know it."""
+        settings = self._settings
+        self._time = odometry.time
+        self._state[:3] = odometry.pose
+        self._covariance = np.diag(np.square((
+            settings.start_position, settings.start_position, settings.start_heading,
+            SCALE_STD, DRIFT_STD)))
+
+    def add_scan(self, scan: LidarScan, mount: LidarMount | None = None) -> None:
+        """
+        Take in a scan, which is matched once there is odometry up to its end.
+
+        :param scan: ``LidarScan``; one that is still waiting is dropped.
+        :param mount: ``LidarMount``; None for that of the settings.
+        """
+        self._scan = scan
+        if mount is not None:
+            self._mount = mount
+
+    def locate(self, measured: ObjectPose | None) -> RobotPlace | None:
+        """
+        Match the scan that waits.
+
+        :param measured: the newest ``ObjectPose``, whose beams are left out; None without any.
+        :return: ``RobotPlace`` at the middle of the scan; None where there is no scan, or it tells
+            nothing.
+        """
+        scan, matcher = self._scan, self._matcher
+        if scan is None or self._motion.newest < scan.end:
+            return None
+        self._scan = None
+        if matcher is None or scan.time < self._motion.oldest or scan.middle <= self._time:
+            return None
+        points = scan_points(scan, self._mount, self._motion, self._settings.beams)
+        self._predict(scan.middle)
+        if measured is not None and self._settings.sees_object:
+            points = self._without_object(points, measured)
+        if len(points.points) < MIN_BEAMS:
+            return None
+        return self._match(matcher, points)
+
+    def _without_object(self, points: ScanPoints, measured: ObjectPose) -> ScanPoints:
+        """Leave out what sees the object, as the robot is predicted to stand to it."""
+        pose = measured.relative
+        if pose is None:
+            pose = Pose(*self._state[:3].tolist()).inverse() @ measured.pose
+        return points.selected(
+            ~sees_object(points, self._object, pose, self._settings.object_margin))
+
+    def _predict(self, time: float) -> None:
+        """Move the state on by odometry."""
+        step = self._motion.step(self._time, time)
+        self._time = time
+        self._motion.drop_before(time - LATENCY)
+        length = math.hypot(step.x, step.y)
+        x, y, heading, scale, drift = self._state.tolist()
+        d_x, d_y = Pose(0.0, 0.0, heading).rotate((step.x, step.y))
+        self._state[:3] = (x + (1.0 + scale) * d_x, y + (1.0 + scale) * d_y,
+                           heading + step.theta + drift * length)
+        jacobian = np.eye(5)
+        jacobian[0, 2:4] = -(1.0 + scale) * d_y, d_x
+        jacobian[1, 2:4] = (1.0 + scale) * d_x, d_y
+        jacobian[2, 4] = length
+        walk, error_walk = WALK ** 2 * length, ERROR_WALK ** 2 * length
+        turn = HEADING_WALK ** 2 * length + TURN_WALK ** 2 * abs(step.theta)
+        self._covariance = (jacobian @ self._covariance @ jacobian.T
+                            + np.diag((walk, walk, turn, error_walk, error_walk)))
+
+    def _match(self, matcher: ScanMatcher, points: ScanPoints) -> RobotPlace:
+        """Correct the state by a scan; look elsewhere where the robot is lost."""
+        prior = Prior(self._state[:3].copy(), _positive(self._covariance[:3, :3]))
+        start = None
+        if not self._has_started:
+            start = search(matcher.field, points, prior, start_range(prior.covariance))
+            self._has_started = True
+        match = matcher.match(points, prior, start)
+        self._misfits = self._misfits + 1 if match.fit < MIN_FIT else 0
+        status = PlaceStatus.LOST if self.is_lost else PlaceStatus.TRACKED
+        elsewhere = self._look_elsewhere(matcher, points, match) if self.is_lost else None
+        if elsewhere is not None:
+            status, self._misfits = PlaceStatus.REGAINED, 0
+            self._place(elsewhere)
+        else:
+            self._fuse(prior, match)
+        return RobotPlace(self._time, Pose(*self._state[:3].tolist()),
+                          PoseCovariance.from_matrix(self._covariance[:3, :3]), status)
+
+    def _fuse(self, prior: Prior, match: Match) -> None:
+        """Correct the state, scale and drift with it."""
+        covariance = fused_covariance(prior.covariance, match.information)
+        gain = self._covariance[:, :3] @ np.linalg.inv(prior.covariance)
+        self._state += gain @ (match.pose - prior.pose)
+        self._covariance = self._covariance + gain @ (covariance - prior.covariance) @ gain.T
+
+    def _place(self, match: Match) -> None:
+        """Put the robot where it was found; nothing that is known of odometry changes."""
+        self._state[:3] = match.pose
+        covariance = np.zeros((5, 5))
+        covariance[3:, 3:] = self._covariance[3:, 3:]
+        covariance[:3, :3] = fused_covariance(np.diag(np.square(REGAINED_STDS)), match.information)
+        self._covariance = covariance
+
+    def _look_elsewhere(self, matcher: ScanMatcher, points: ScanPoints,
+                        present: Match) -> Match | None:
+        """Look for a place that fits much better than the present one; None where none does."""
+        if self._time - self._searched_at < SEARCH_PERIOD:
+            return None
+        self._searched_at = self._time
+        prior = Prior(present.pose, np.diag(np.square(LOST_STDS)))
+        node = search(matcher.field, points, prior, LOST_RANGE)
+        match = matcher.match(points, Prior(node, np.diag(np.square(REGAINED_STDS))))
+        here = likelihood(matcher.field, placed(points.points, present.pose))
+        there = likelihood(matcher.field, placed(points.points, match.pose))
+        return match if there > max(MIN_LIKELIHOOD, here + MIN_GAIN) else None
+
+
+def _positive(covariance: FloatArray) -> FloatArray:
+    """Return a copy that is symmetric, and positive also after many small steps."""
+    return 0.5 * (covariance + covariance.T) + 1e-12 * np.eye(len(covariance))
