@@ -86,7 +86,7 @@ def begin(b, trajectory):
     """Hand over the plan, and see the first 0.2 s of the push."""
     b.received['diagnostics'].clear()
     b.clock(0.0)
-    b.publish('push_plan', to_plan_message(trajectory, to_stamp(b.base), 'odom'))
+    hand_over(b, trajectory, 0.0)
     b.wait_until(lambda: 'task: push' in last_text(b))
     b.connect(OBJECT, ROBOT)
     for i in range(10):
@@ -97,6 +97,12 @@ def begin(b, trajectory):
     for messages in b.received.values():
         messages.clear()
     return b
+
+
+def hand_over(b, trajectory, time):
+    """Hand over a plan that is made at some time, and wait until the controller has taken it."""
+    b.publish('push_plan', to_plan_message(trajectory, to_stamp(b.base + time), 'odom'))
+    b.wait_until_handled('push_plan', 'controller/resume')
 
 
 def last_text(b, name=None):
@@ -205,9 +211,7 @@ def test_a_plan_from_another_site_stops_the_push(controller):
     opposite = Pose(-ROBOT.x, -ROBOT.y, ROBOT.theta + math.pi)
     elsewhere = plan_push(problem_from_placement(SCENARIO.object, SCENARIO.robot, OBJECT, opposite,
                                                  Pose(-1.0, 0.0, OBJECT.theta), SCENARIO.planner))
-    controller.publish('push_plan', to_plan_message(
-        elsewhere.trajectory, to_stamp(controller.base + 0.1), 'odom'))
-    controller.wait_until(lambda: 'task: push' in last_text(controller))
+    hand_over(controller, elsewhere.trajectory, 0.1)
     assert controller.odometry(0.2, ROBOT) == controller.object_pose(0.22, OBJECT) == ZERO
     controller.wait_until(lambda: any(f'it must stand at {opposite.x:.3f} m, ' in error
                                       for error in errors(controller)))

@@ -234,7 +234,9 @@ def test_a_bad_goal_or_map_is_told_and_changes_nothing(stand, topic, message, te
     stand.b.publish(topic, message)
     stand.b.wait_until(lambda: any(text in error for error in errors(stand.b, CONTROLLER)))
     stand.measure(0.2)
-    assert len(stand.requests) == 1
+    # There are several where odometry has paused on the wall.
+    assert {from_request_message(request, 'odom').goal for request in stand.requests} == {
+        from_request_message(stand.requests[0], 'odom').goal}
 
 
 def test_bytes_that_are_no_message_are_refused(stand):

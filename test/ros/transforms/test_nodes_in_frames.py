@@ -117,8 +117,8 @@ def test_a_task_in_the_map_with_a_camera_follows_what_drifts(tmp_path):
         b.wait_until(frames.texts)
         b.publish('goal_pose', posed('map', frames.now, GOAL_IN_MAP))
         b.publish('map', to_map_message(FREE, to_stamp(0.0), 'map'))
-        b.repeat_until(measure, lambda: len(requests(b)) == 1)
-        first, = requests(b)
+        b.repeat_until(measure, lambda: requests(b))
+        first = requests(b)[0]
         # As estimated with the robot, to a hundredth of the deviation that the camera states.
         assert first.object_pose == pytest.approx(OBJECT, abs=1e-5)
         assert first.robot_pose == pytest.approx(ROBOT, abs=0.02)
