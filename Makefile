@@ -46,7 +46,8 @@ faults: .venv/developed ## how faults of sensors, base and processes end; half a
 fuzz: .venv/developed ## random messages, files, parameters and orders of events; STEPS=100000 for hours
 	PUSH_CONTROL_FUZZ=$(or $(STEPS),3000) $(BIN)/python -m pytest -q $$(find test -name 'test_fuzz_*.py')
 
-PYTEST := $(BIN)/python -m pytest --numprocesses auto --dist loadfile
+# Whoever takes the place of a process that was ended by a test would run that test again.
+PYTEST := $(BIN)/python -m pytest --numprocesses auto --dist loadfile --max-worker-restart 0
 
 test: .venv/developed ## all tests, on all cores; ARGS="-k contact" for some
 	$(PYTEST) $(ARGS)

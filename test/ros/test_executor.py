@@ -19,6 +19,8 @@ from rclpy.node import Node
 from std_msgs.msg import Float64
 
 pytestmark = pytest.mark.dds
+# Only keeps a suite from hanging [s].
+TIMEOUT = 400.0
 
 # A node whose callback never returns, as that of a planner may seem to.
 SCRIPT = """
@@ -70,7 +72,7 @@ def test_a_late_interrupt_does_not_disturb_the_end():
                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     assert process.stdout.readline() == 'works\n'
     process.send_signal(signal.SIGINT)
-    output = process.communicate()[0]
+    output = process.communicate(timeout=TIMEOUT)[0]
     assert (process.returncode, output) == (0, 'closed\n')
 
 
@@ -84,7 +86,7 @@ def test_a_signal_interrupts_a_callback_that_takes_long(numbers):
         assert process.stdout.readline() == 'works\n'
         for number in numbers:
             process.send_signal(number)
-        printed, _ = process.communicate(timeout=400.0)
+        printed, _ = process.communicate(timeout=TIMEOUT)
         assert (process.returncode, printed) == (0, 'closed\n')
     finally:
         process.kill()
@@ -100,7 +102,7 @@ def test_an_interrupt_of_source_from_a_text_ends_well(tmp_path: Path) -> None:
                           env={**os.environ, 'PYTHONPATH': path}) as process:
         assert process.stdout is not None and process.stdout.readline() == 'works\n'
         process.send_signal(signal.SIGINT)
-        assert (process.communicate()[0], process.returncode) == ('', 0)
+        assert (process.communicate(timeout=TIMEOUT)[0], process.returncode) == ('', 0)
 
 
 def test_a_second_interrupt_ends_a_callback_at_once() -> None:
@@ -193,7 +195,7 @@ sys.exit(run(make_node, []))
 def test_a_signal_within_a_callback_of_a_library_interrupts_too():
     """Python drops what is raised there, with a traceback: it is raised again, unseen."""
     ended = subprocess.run([sys.executable, '-c', CALLED_BACK], stdin=subprocess.DEVNULL,
-                           text=True, capture_output=True, timeout=400.0)
+                           text=True, capture_output=True, timeout=TIMEOUT)
     assert (ended.returncode, ended.stderr) == (0, '')
 
 

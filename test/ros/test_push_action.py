@@ -180,10 +180,9 @@ def test_a_goal_that_odometry_alone_knows_says_how_well(client):
     """A camera on the robot: done, without an error, with code and deviations; no warning."""
     client.b.received['diagnostics'].clear()
     _, result = client.send(OBJECT)
-    while not result.done():
-        client.measure_from_robot()
-    while client.statuses[-1].state != client.statuses[-1].REACHED:
-        client.measure_from_robot()
+    client.b.repeat_until(client.measure_from_robot, result.done, period=0.0)
+    client.b.repeat_until(client.measure_from_robot, lambda: (
+        client.statuses[-1].state == client.statuses[-1].REACHED), period=0.0)
     ended = result.result()
     assert ended.status == GoalStatus.STATUS_SUCCEEDED
     assert (ended.result.error_code, ended.result.error_msg) == (client.action.Result.NONE, '')
@@ -217,9 +216,10 @@ def cancel(client: Client, handle: ClientGoalHandle, result: Future) -> None:
 def test_feedback_comes_until_a_goal_is_cancelled(client):
     """The robot waits for its plan; the client is told so with the errors, and may cancel."""
     handle, result = client.send(GOAL)
-    client.measure_until(lambda: len(client.feedback) > 2)
+    client.measure_until(lambda: len(client.feedback) > 2 and client.feedback[-1].status.state
+                         == client.feedback[-1].status.PLANNING)
     last = client.feedback[-1]
-    assert last.status.state == last.status.PLANNING and 'planning' in last.status.text
+    assert 'planning' in last.status.text
     assert last.status.position_error == pytest.approx(
         math.dist(OBJECT[:2], GOAL[:2]), abs=1e-3)
     assert (last.status.push_number, last.status.pushes_done) == (0, 0)
@@ -401,12 +401,15 @@ def test_a_goal_without_a_plan_is_given_up(client):
     requests.clear()
     _, result = client.send(GOAL)
     answered = 0
-    while not result.done():
+
+    def refuse():
+        nonlocal answered
         client.measure()
         if len(requests) > answered:
             answered = len(requests)
             client.b.publish('push_plan', no_plan_message(
                 PlanFailure.NOT_CONVERGED, requests[-1].header.stamp, 'odom'))
+    client.b.repeat_until(refuse, result.done, period=0.0)
     ended = result.result()
     assert ended.status == GoalStatus.STATUS_ABORTED
     assert ended.result.error_code == client.action.Result.NO_VALID_PLAN
@@ -420,9 +423,7 @@ def test_a_goal_ends_at_its_time_limit_without_odometry(client):
     began = client.now
     _, result = client.send(GOAL, time_limit=Duration(sec=5))
     client.measure_until_planning()
-    while not result.done():
-        client.let_time_pass()
-        client.b.spin(0.02)
+    client.b.repeat_until(client.let_time_pass, result.done, period=0.02)
     ended = result.result().result
     assert ended.error_code == client.action.Result.TIMEOUT and client.now - began > 4.9
     assert 'no odometry comes' in ended.error_msg
