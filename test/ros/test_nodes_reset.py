@@ -96,16 +96,11 @@ class Simulation:
         assert self.b.call('sim/reset').success
 
 
-@pytest.fixture(params=['wall', 'simulated'])
-def is_simulated(request):
-    """Whether the simulator makes the time."""
-    return request.param == 'simulated'
-
-
-@pytest.fixture(params=['task', 'single'])
-def simulation(request, is_simulated, tmp_path):
-    """Start the three nodes."""
-    task = request.param == 'task'
+@pytest.fixture(params=[(True, True), (False, False)],
+                ids=['task in simulated time', 'single push on the wall clock'])
+def simulation(request, tmp_path):
+    """Start the three nodes: both kinds of pushes, and both of who makes the time."""
+    task, is_simulated = request.param
     with bench(tmp_path, SIM, 'push_sim_node.sim_node',
                parameters(SIM, task=task, is_simulated=is_simulated)) as b:
         for name, module in MODULES.items():

@@ -41,15 +41,26 @@ def network(tmp_path_factory):
         yield b
 
 
-def start(network, folder):
-    """Start the command, with the robot as its user states it."""
+# The command, with a wait for odometry that is no longer than a test needs [s].
+PATIENCE = 10.0
+IMPATIENT = f"""
+import sys
+from push_scenario.calibration import cli
+from push_scenario.calibration.ros import calibrator
+calibrator.LOCKSTEP_TIMEOUT = {PATIENCE}
+sys.exit(cli.main())
+"""
+
+
+def start(network, folder, *program):
+    """Start the command, or a program for it, with the robot as its user states it."""
     path = folder / 'my.yaml'
     path.write_text(yaml.safe_dump({'/**': {'ros__parameters': {
         **to_parameter_values(SCENARIO.object, 'object.'),
         **to_parameter_values(SCENARIO.robot, 'robot.'), 'lockstep': True}}}))
     return subprocess.Popen(
-        [sys.executable, '-m', 'push_scenario.calibration.cli', '--out', str(folder / 'out'),
-         '--ros-args', '--params-file', str(path)],
+        [sys.executable, *(program or ('-m', 'push_scenario.calibration.cli')), '--out',
+         str(folder / 'out'), '--ros-args', '--params-file', str(path)],
         env=private_environment(network.node.context.get_domain_id()), text=True,
         stdout=subprocess.PIPE, stderr=subprocess.PIPE)
 
@@ -71,7 +82,7 @@ def test_interrupted_over_dds_it_writes_what_it_has(network, tmp_path):
 @pytest.mark.dds
 def test_where_the_simulator_ends_it_ends_and_writes_what_it_has(network, tmp_path):
     """Nobody interrupts it: nothing comes any more, and it waits no longer."""
-    with start(network, tmp_path) as process:
+    with start(network, tmp_path, '-c', IMPATIENT) as process:
         for line in process.stderr:
             if line.startswith('steps'):
                 network.processes.stop(SIM)
