@@ -16,6 +16,7 @@ class TaskEvent(Cause):
     GOAL_CANCELLED = 'cancelled'
     GOAL_REPLACED = 'another goal has come'
     GOAL_TIMED_OUT = 'timed out'
+    GOAL_REFUSED = '{error}'
     AWAITS_START = 'has a plan and waits for controller/start'
     STOPPED_BY_USER = 'stopped by controller/stop: call controller/start'
     DEACTIVATED = 'the controller was deactivated'
@@ -64,7 +65,9 @@ class TaskEvent(Cause):
     # It is given up.
     OBJECT_NOT_FOUND = 'aborted: the object is not found'
     ABORTED = 'aborted: {reason}'
-    GOAL_TOO_FAR = 'aborted: the goal is {distance:.0f} m away, at most {limit:g} m is expected'
+    GOAL_TOO_FAR = (
+        'aborted: the goal is {distance:.0f} m away, at most {limit:g} m is expected '
+        '(supervision.max_goal_distance)')
     GOAL_UNCERTAIN = (
         'aborted: the object may be at its goal, but its poses do not show it to within the '
         'tolerances: standard errors of {position:.1f} mm and {heading:.2f} deg')

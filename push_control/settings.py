@@ -48,9 +48,9 @@ class ControlSettings:
 
     # Steering laws.
     lateral_gain: float = quantity(
-        'curvature per lateral error', '1/m^2', 0.0, 100.0, default=16.0)
+        'curvature per lateral error', '1/m^2', above=0.0, high=100.0, default=16.0)
     heading_gain: float = quantity(
-        'curvature per heading error', '1/m', 0.0, 50.0, default=7.0)
+        'curvature per heading error', '1/m', above=0.0, high=50.0, default=7.0)
     lateral_saturation: float = quantity(
         'lateral error at which its feedback saturates', 'm', above=0.0, high=1.0, default=0.1)
     max_curvature_rate: float = quantity('largest curvature change per path length', '1/m^2', 1.0,

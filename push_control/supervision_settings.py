@@ -64,6 +64,8 @@ class SupervisionSettings:
     stall_timeout: float = quantity('time without motion that counts as stalled', 's', above=0.0,
                                     high=60.0, default=4.0)
 
+    max_goal_distance: float = quantity('distance from the goal that is taken for a mistake', 'm',
+                                        above=0.0, infinite=True, default=30.0)
     moved_distance: float = quantity('displacement of the object that invalidates its plan', 'm',
                                      above=0.0, high=1.0, default=0.05)
     moved_angle: float = quantity('rotation of the object that invalidates its plan', 'rad',

@@ -77,6 +77,8 @@ class MapSettings:
                                                 0.5, default=0.08)
     footprint_clearing_time: float = quantity('largest age of measurements in a map', 's', 0.0,
                                               60.0, default=1.0)
+    max_cells: int = quantity('cells of the largest map; a larger one is refused unread', '', 1,
+                              1_000_000_000, is_dynamic=False, default=16_000_000)
 
     def __post_init__(self) -> None:
         """Validate the fields."""

@@ -11,7 +11,8 @@ import functools
 import hashlib
 import io
 import pathlib
-from typing import Any
+from typing import Any, TypeVar
+import zipfile
 
 import numpy as np
 from push_dynamics.compiled import cache_directory
@@ -34,6 +35,7 @@ from push_primitives.table import (
 from push_primitives.value_iteration import solve_cost_to_go
 from push_primitives.weights import FrictionBelief
 
+Stored = TypeVar('Stored')
 # Friction of the object that tables are made for: theirs must not depend on what a robot has
 # learned of friction so far, lest they be made anew with every push. All supports are alike, and
 # the contact is that of rubber bumpers; samples lie about both, and weights choose among them.
@@ -188,9 +190,9 @@ def _cost_to_go(obj: PushedObject, radius: float, settings: CostSettings,
 
 def _stored_table(obj: PushedObject, radius: float,
                   progress: Callable[[float], None] = lambda part: None) -> PrimitiveTable:
-    return _table_from(_stored(
-        _table_name(obj, radius),
-        lambda: _table_arrays(build_table(obj, radius, progress=progress))))
+    return _stored(_table_name(obj, radius),
+                   lambda: _table_arrays(build_table(obj, radius, progress=progress)),
+                   _table_from)
 
 
 def _stored_cost_to_go(table: PrimitiveTable, name: str, settings: CostSettings,
@@ -200,7 +202,7 @@ def _stored_cost_to_go(table: PrimitiveTable, name: str, settings: CostSettings,
         cost_to_go = solve_cost_to_go(table, settings, from_above=is_learned, progress=progress)
         return {'values': cost_to_go.values, 'distances': cost_to_go.distances,
                 'headings': cost_to_go.headings}
-    return CostToGo(**_stored(name, solve))
+    return _stored(name, solve, lambda arrays: _cost_to_go_from(arrays, table.face_count))
 
 
 def _table_name(obj: PushedObject, radius: float) -> str:
@@ -222,8 +224,32 @@ def _table_from(arrays: dict[str, Any]) -> PrimitiveTable:
     points = tuple(FacePoint(int(face), (x, y), normal, offset)
                    for face, x, y, normal, offset in arrays['face_points'].tolist())
     samples = FrictionSamples(*(arrays[name] for name in FrictionSamples._fields))
-    return PrimitiveTable(points, **{name: arrays[name] for name in ARRAYS},
-                          friction_samples=samples, radius=float(arrays['radius']))
+    kept = {name: arrays[name] for name in ARRAYS}
+    count, lengths = kept['point_indices'].size, kept['lengths'].size
+    shapes = {**{name: (count,) for name in ARRAYS}, 'starts': (count, 3), 'lengths': (lengths,),
+              'displacements': (count, len(samples[0]), lengths, 3)}
+    _check_shapes(kept, shapes)
+    return PrimitiveTable(points, **kept, friction_samples=samples, radius=float(arrays['radius']))
+
+
+def _cost_to_go_from(arrays: dict[str, Any], face_count: int) -> CostToGo:
+    cost_to_go = CostToGo(**arrays)
+    values, distances, headings = cost_to_go.grid
+    bearings = values.shape[2] if values.ndim == 4 else 0
+    _check_shapes({'values': values},
+                  {'values': (face_count, distances.size, bearings, headings.size)})
+    return cost_to_go
+
+
+def _check_shapes(arrays: dict[str, Any], shapes: dict[str, tuple[int, ...]]) -> None:
+    """
+    Check the shapes of arrays.
+
+    :raises ValueError: naming the one that has another.
+    """
+    for name, shape in shapes.items():
+        if arrays[name].shape != shape:
+            raise ValueError(f'{name}: got the shape {arrays[name].shape}, expected {shape}')
 
 
 def _name(kind: str, *key: object) -> str:
@@ -237,12 +263,27 @@ def _sources() -> bytes:
     return b''.join(pathlib.Path(str(module.__file__)).read_bytes() for module in SOURCES)
 
 
-def _stored(name: str, make: Callable[[], dict[str, Any]]) -> dict[str, Any]:
-    """Read arrays, or make and write them."""
+def _stored(name: str, make: Callable[[], dict[str, Any]],
+            use: Callable[[dict[str, Any]], Stored]) -> Stored:
+    """
+    Use arrays that are read, or that are made and written.
+
+    :param use: raises ``KeyError``, ``TypeError`` or ``ValueError`` where it cannot: what has
+        other names or shapes, as of another version, is made anew.
+    """
     folder = cache_directory()
     if folder is None:
-        return make()
+        return use(make())
     content = folder.read_or_make(name, lambda: _encoded(make()))
+    try:
+        return use(_decoded(content))
+    except (KeyError, TypeError, ValueError, OSError, zipfile.BadZipFile):
+        content = _encoded(make())
+        folder.write(name, content)
+        return use(_decoded(content))
+
+
+def _decoded(content: bytes) -> dict[str, Any]:
     with np.load(io.BytesIO(content), allow_pickle=False) as data:
         return {name: data[name] for name in data.files}
 

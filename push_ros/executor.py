@@ -53,6 +53,9 @@ ENDING_TIME = 2.0
 INTERRUPT_DELAY = 0.5
 # Time after which an interrupt that could not be passed on is repeated [s]; chosen.
 REPEAT_TIME = 0.01
+# Signals that end a node: all that would end its process, and can be noticed.
+ENDING_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT, signal.SIGUSR1,
+                  signal.SIGUSR2)
 # Words that ask for help, and what is said before the contract of a node, in its docstring.
 HELP = frozenset(('-h', '--help'))
 USAGE = ('usage: --ros-args [--params-file FILE] [-p PARAMETER:=VALUE] [-r TOPIC:=OTHER]; '
@@ -192,7 +195,7 @@ class MessageWaiter:
 
 def run(make_node: Callable[[], PolledNode], arguments: Sequence[str] | None = None) -> int:
     """
-    Make a node, run it until SIGINT or SIGTERM, close it.
+    Make a node, run it until one of ``ENDING_SIGNALS`` comes, close it.
 
     :param make_node: takes nothing, returns a ``push_ros.node.PushNode``.
     :param arguments: command line behind the name of the program; None for that of the process.
@@ -324,7 +327,7 @@ def _run_last_callbacks(node: PolledNode, executor: SingleThreadedExecutor) -> N
 
 class _StopSignal:
     """
-    Remembers that SIGINT or SIGTERM came.
+    Remembers that one of ``ENDING_SIGNALS`` came.
 
     A flag that ``spin`` reads would do, if every callback returned soon. Four things make more of
     it, each with a test in test/ros/test_executor.py. Making a node may take minutes: there the
@@ -341,7 +344,8 @@ class _StopSignal:
         self._came_at = 0.0
         self._is_armed = False
         self._previous_handlers = {signum: signal.signal(signum, self._remember)
-                                   for signum in (signal.SIGINT, signal.SIGTERM)}
+                                   for signum in ENDING_SIGNALS
+                                   if signal.getsignal(signum) is not signal.SIG_IGN}
         self._previous_handlers[signal.SIGALRM] = signal.signal(signal.SIGALRM, self._interrupt)
         self._previous_hook, sys.unraisablehook = sys.unraisablehook, self._repeat
 

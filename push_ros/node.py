@@ -227,7 +227,8 @@ class PushNode(PolledNode):
 
     def subscribe(self, topic: str, callback: Callable[[Any], None], *, real_time: bool = False,
                   stamped: bool = True, with_covariance: bool = False,
-                  frame: str | None = None) -> Subscription:
+                  frame: str | None = None,
+                  read: Callable[[bytes], Any] | None = None) -> Subscription:
         """
         Subscribe to a topic of the list.
 
@@ -237,13 +238,13 @@ class PushNode(PolledNode):
         :param stamped: whether commands have a stamp.
         :param with_covariance: whether poses have a covariance.
         :param frame: id of the frame beside which the callback takes whole messages all the same.
+        :param read: makes the message of its bytes; None for what the list says.
         """
         entry = TOPICS[topic]
         kind = entry.message_type(stamped, with_covariance=with_covariance)
-        read: Callable[[bytes], Any] | None = None
-        if entry.largest_size is not None:
+        if read is None and entry.largest_size is not None:
             read = self._limited_reader(topic, kind, entry.largest_size)
-        elif real_time:
+        elif read is None and real_time:
             read = message_reader(kind, frame)
         if read is not None:
             callback = self._reading(topic, callback, read)

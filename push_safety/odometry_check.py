@@ -25,7 +25,8 @@ from push_safety.status import SafetyReason, SafetyReport
 from push_safety.tolerances import (
     ABSOLUTE_JUMP_DISTANCE, ABSOLUTE_JUMP_ROTATION, ABSOLUTE_JUMP_SIGMAS, CATCH_UP_RATIO,
     CORRECTION_PERIOD, DIRECTION_DISTANCE, DIRECTION_PATH, DIRECTION_RATIO, EARLY_DISTANCE,
-    EARLY_RATIOS, LATERAL_RATIO, MAX_CORRECTION_DISTANCE, MAX_CORRECTION_ROTATION,
+    EARLY_RATIOS, LATERAL_LEVER, LATERAL_RATIO, LATERAL_SPEED, MAX_CORRECTION_DISTANCE,
+    MAX_CORRECTION_ROTATION,
     MAX_ODOMETRY_STEP, MAX_ROUNDING, MIN_CORRECTION_DISTANCE, MIN_CORRECTION_ROTATION,
     ODOMETRY_JUMP_DISTANCE, ODOMETRY_JUMP_RATIO, ODOMETRY_JUMP_ROTATION, REPETITION_RATIO,
     REPETITION_TIME, WINDOW_DISTANCE, WINDOW_RATIO, WINDOW_ROTATION, WINDOW_TIME)
@@ -323,8 +324,10 @@ class OdometryCheck:
         Tell what is wrong with odometry, where something is wrong that may be this.
 
         :return: ``SafetyReport`` where its pose moves quite otherwise than its twist, over
-            however short a distance; else None.
+            however short a distance, or its twist is none of its drive; else None.
         """
+        if self._is_lateral and self._last is not None:
+            return SafetyReason.ODOMETRY_LATERAL.report(speed=abs(self._last.twist.v_y))
         last = self._course[-1][TRAVELLED]
         for least_distance, ratio in EARLY_RATIOS.items():
             first = next((course for course in reversed(self._course)
@@ -336,6 +339,14 @@ class OdometryCheck:
                 self.restart(self._last)
                 return fault
         return None
+
+    @property
+    def _is_lateral(self) -> bool:
+        """Whether the robot moves to the side by its twist, which its wheels cannot."""
+        if self._last is None or self._robot.drive != 'differential':
+            return False
+        _, v_y, omega = self._last.twist
+        return abs(v_y) > LATERAL_SPEED + LATERAL_LEVER * abs(omega)
 
     def _check_direction(self, odometry: Odometry) -> SafetyReport | None:
         course = _course_from(self._course[0], self._course[-1])

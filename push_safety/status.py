@@ -46,6 +46,9 @@ class SafetyReason(Cause):
     ODOMETRY_DIRECTION = (
         'odometry contradicts itself: its pose has moved by {moved:.2f} m at {angle:.0f} deg to '
         'the direction that its heading and its twist mean')
+    ODOMETRY_LATERAL = (
+        'odometry contradicts itself: it measures {speed:.2f} m/s to the side, where wheels of a '
+        'differential drive do not go')
     ODOMETRY_SCALE = (
         'odometry contradicts itself: its pose has moved by {moved:.2f} m, its twist means '
         '{expected:.2f} m')
@@ -55,7 +58,7 @@ class SafetyReason(Cause):
         """Tell whether the place of the robot is no longer certain."""
         return self in (SafetyReason.ODOMETRY_JUMPED, SafetyReason.ODOMETRY_FROZEN,
                         SafetyReason.ODOMETRY_CONTRADICTORY, SafetyReason.ODOMETRY_DIRECTION,
-                        SafetyReason.ODOMETRY_SCALE)
+                        SafetyReason.ODOMETRY_LATERAL, SafetyReason.ODOMETRY_SCALE)
 
     @property
     def is_of_motion(self) -> bool:

@@ -83,6 +83,11 @@ LATERAL_RATIO = 0.1
 # part [m], and by the path [m] the part of it; what shows before the motion is a fault.
 EARLY_DISTANCE = 0.003
 EARLY_RATIOS = {0.01: 0.4, 0.02: 0.14, 0.05: 0.12}
+# Velocity to the side of a differential drive that does not move as commanded at which the twist
+# is in wrong axes [m/s], and over the yaw rate [m]: noise, wheels that slip in a turn, and a frame
+# of the robot that lies before or behind its axle.
+LATERAL_SPEED = 0.05
+LATERAL_LEVER = 0.3
 # Time for which a pose may come again from a robot that moves [s], what it may have moved by its
 # twist meanwhile, over the last step of the pose, and the greatest step that counts [m], [rad].
 # Messages may be more frequent than what they are made of; half a diagonal more than poses that

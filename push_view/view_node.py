@@ -12,7 +12,8 @@ from push_model.base_knowledge import BaseKnowledge
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.quantity import check, quantity
-from push_ros.conversions.map import from_map_message
+from push_navigation.settings import MapSettings
+from push_ros.conversions.map import from_map_message, map_reader
 from push_ros.conversions.measurements import from_object_pose_message, from_odometry_message
 from push_ros.conversions.plan import from_plan_message
 from push_ros.conversions.primitives import MessageRefused
@@ -113,7 +114,8 @@ class ViewNode(PushNode):
         self.subscribe('goal_pose', self._in_world('goal_pose', self._on_goal,
                                                    self._record.move_goal))
         self.subscribe('push_plan', self._shown(self._on_plan))
-        self.subscribe('map', self._in_world('map', self._on_map, self._record.move_map))
+        self.subscribe('map', self._in_world('map', self._on_map, self._record.move_map),
+                       read=map_reader(MapSettings()))
         self.subscribe('contact_wrench', self._on_contact_wrench)
         self.subscribe('diagnostics', self._on_diagnostics)
         # Both are there once a message has been shown.

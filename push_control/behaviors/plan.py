@@ -19,9 +19,6 @@ from push_model.signals import STOP, Twist
 # Standard deviation of the gap of a robot whose pose overlaps the object [m]; chosen: the noise of
 # one object pose.
 OVERLAP_STD = 0.002
-# Distance from the object to its goal that is a mistake of a unit or a frame [m]; chosen: nothing
-# is pushed as far.
-MAX_GOAL_DISTANCE = 200.0
 
 
 class PlanBehavior(Behavior[TaskPerception]):
@@ -118,9 +115,10 @@ class PlanBehavior(Behavior[TaskPerception]):
         """Compare the object at rest with its goal, and act on that."""
         object_at_rest = perception.object_at_rest
         goal_distance = distance(object_at_rest.pose, self._goal)
-        if goal_distance > MAX_GOAL_DISTANCE:
+        limit = self._progress.settings.max_goal_distance
+        if goal_distance > limit:
             self._abort(TaskFailure.NO_PLAN, TaskEvent.GOAL_TOO_FAR.report(
-                distance=goal_distance, limit=MAX_GOAL_DISTANCE))
+                distance=goal_distance, limit=limit))
             return
         check = self._progress.check_goal(
             object_at_rest, self._goal, self._remaining_time(object_at_rest.pose, self._goal))

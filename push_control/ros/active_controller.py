@@ -25,6 +25,7 @@ from push_control.ros.start_state import StartState
 from push_model.events import AnyReport
 from push_model.parameters import PushedObject
 from push_model.signals import ObjectPose, Odometry, STOP, Twist
+from push_ros.conversions.map import map_reader
 from push_ros.conversions.measurements import (
     from_object_pose_message, from_odometry_message, from_relative_pose_message,
 )
@@ -112,10 +113,10 @@ class ActiveController:
             frame=frames.world_frame)
         node.subscribe('push_plan', self.on_plan, real_time=True)
         node.subscribe('goal_pose', world.receiver('goal_pose', Handlers(
-            self._on_goal, self._refuse, self.goals.move)))
+            self._on_goal, self._refuse_goal, self.goals.move)))
         node.subscribe('map', world.receiver('map', Handlers(
             lambda message: self._handle(self.pursuit.on_map, message), self._refuse_map,
-            self.pursuit.move_map, is_latched=True)))
+            self.pursuit.move_map, is_latched=True)), read=map_reader(self._parameters.map))
         # Simulated time may stand still: whoever published it may have died.
         self._timer = node.create_timer(WATCHDOG_PERIOD, node.guarded(self._check_odometry),
                                         clock=Clock(clock_type=ClockType.STEADY_TIME))
@@ -250,7 +251,11 @@ class ActiveController:
             self._report_base(fault)
             if fault is None:
                 self._catch_up()
-                self._handle(self.goals.on_message, message)
+                try:
+                    self.goals.on_message(message)
+                except MessageRefused as error:
+                    self._refuse_goal(error, message)
+                self._follow_up()
         self._base.run(start)
 
     def _catch_up(self) -> None:
@@ -266,15 +271,18 @@ class ActiveController:
         self._world.receive(name, message, Handlers(receiver.accept, receiver.refuse,
                                                     self.goals.move))
 
-    def _refuse(self, error: MessageRefused, message: Any) -> None:
-        """Report a goal or a map that cannot be used; the previous one stays."""
+    def _refuse_goal(self, error: MessageRefused, message: Any) -> None:
+        """Report a goal that cannot be used; the previous one stays."""
         self._reporter.report(ERROR, str(error))
+        if self.goals.is_idle:
+            self.pursuit.note_refused_goal(TaskEvent.GOAL_REFUSED.report(error=error))
         self._follow_up()
 
     def _refuse_map(self, error: MessageRefused, message: Any) -> None:
         """Report a map that cannot be used, without which there is no task."""
         self.pursuit.refuse_map(str(error))
-        self._refuse(error, message)
+        self._reporter.report(ERROR, str(error))
+        self._follow_up()
 
     def _handle(self, handler: Callable[[Any], None], message: Any,
                 stops_on_refusal: bool = False) -> None:

@@ -213,6 +213,15 @@ class GoalPursuit:
             return -math.inf
         return self._observation.time
 
+    def note_refused_goal(self, cause: AnyReport) -> None:
+        """
+        Say why a robot without a goal stands, until there is one: the one that has come is none.
+
+        :param cause: ``Report`` of why it was refused.
+        """
+        if self.start_state is not StartState.STOPPED:
+            self._supervisor.interrupt(cause)
+
     def move_goal(self, correction: Pose) -> None:
         """
         Follow the frame of the goal, which has drifted; the task goes on.

@@ -16,7 +16,7 @@ from push_planner.problem import check_solver, PlanningFailed
 from push_planner.ros.parameters import PlannerParameters
 from push_planner.ros.requested_object import OverruledParameters
 from push_planner.ros.task_requests import TaskRequestHandler
-from push_ros.conversions.map import map_text
+from push_ros.conversions.map import map_reader, map_text
 from push_ros.conversions.measurements import from_object_pose_message, from_odometry_message
 from push_ros.conversions.plan import no_plan_message, to_path_message, to_plan_message
 from push_ros.conversions.primitives import MessageRefused, nanoseconds, seconds
@@ -100,7 +100,7 @@ class ActivePlanner:
         # The map first: a request that has come with it is planned with it.
         self._node.subscribe('map', self._world.receiver('map', Handlers(
             self._on_map, self._refuse_map, self._tasks.move_map, is_latched=True)),
-            real_time=True)
+            real_time=True, read=map_reader(self._parameters.map_settings))
         self._node.subscribe('push_request', self._on_request, real_time=True)
         if self._tasks.clearing.is_enabled:
             self._record_footprints()

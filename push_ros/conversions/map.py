@@ -1,6 +1,7 @@
 """Occupancy maps to messages and back."""
 
 import array
+from collections.abc import Callable
 
 from builtin_interfaces.msg import Time
 from nav_msgs.msg import OccupancyGrid
@@ -13,11 +14,17 @@ from push_navigation.settings import MapSettings
 from push_ros.conversions.primitives import (
     check_frame, check_upright, from_pose_message, MessageRefused, to_pose_message,
 )
+from push_ros.conversions.serialized import (
+    DOUBLE_ALIGNMENT, LENGTH, LENGTH_ALIGNMENT, PLAIN_CDR, POSE_SIZE, STAMP,
+)
+from rclpy.serialization import deserialize_message
 
 # Values of ``nav_msgs/OccupancyGrid``: no knowledge, or the probability of an obstacle in percent.
 UNKNOWN = -1
 FREE = 0
 FULL = 100
+# Bytes that may follow the cells of a serialized map [B].
+PADDING = 16
 
 
 def to_map_message(occupancy_map: OccupancyMap, stamp: Time, frame: str) -> OccupancyGrid:
@@ -38,6 +45,41 @@ def to_map_message(occupancy_map: OccupancyMap, stamp: Time, frame: str) -> Occu
     return message
 
 
+def map_reader(settings: MapSettings) -> Callable[[bytes], OccupancyGrid]:
+    """
+    Make a function that reads a serialized map; of one that is too large all but its cells.
+
+    A map of 400 million cells takes seconds to read, in which a node does nothing else.
+
+    :param settings: ``MapSettings``.
+    """
+    def read(data: bytes) -> OccupancyGrid:
+        start = _cells_start(data)
+        has_room = len(data) <= start + LENGTH.size + settings.max_cells + PADDING
+        return deserialize_message(data if has_room else data[:start] + LENGTH.pack(0),
+                                   OccupancyGrid)
+    return read
+
+
+def _cells_start(data: bytes) -> int:
+    """
+    Find where the number of cells stands in a serialized map.
+
+    In plain CDR that is behind stamp and frame of the header, time, resolution, width, height, and
+    the seven numbers of the origin, which are aligned to 8 bytes.
+
+    :raises RuntimeError: where it is not plain CDR.
+    """
+    stamp_end = len(PLAIN_CDR) + STAMP.size
+    if not data.startswith(PLAIN_CDR) or len(data) < stamp_end + LENGTH.size:
+        raise RuntimeError('got no plain CDR')
+    size = LENGTH.unpack_from(data, stamp_end)[0]
+    position = STAMP.size + LENGTH.size + size
+    position += -position % LENGTH_ALIGNMENT + STAMP.size + 3 * LENGTH.size
+    position += -position % DOUBLE_ALIGNMENT + POSE_SIZE * DOUBLE_ALIGNMENT
+    return len(PLAIN_CDR) + position
+
+
 def from_map_message(message: OccupancyGrid, frame: str, topic: str = 'map', *,
                      settings: MapSettings | None = None) -> OccupancyMap:
     """
@@ -50,10 +92,14 @@ def from_map_message(message: OccupancyGrid, frame: str, topic: str = 'map', *,
     :raises MessageRefused: naming what is wrong with it.
     """
     check_frame(message.header.frame_id, frame, topic)
+    settings = settings or MapSettings()
     info, cells = message.info, np.asarray(message.data)
     if not MIN_RESOLUTION <= info.resolution <= MAX_RESOLUTION:
         raise MessageRefused(f'{topic}: got the resolution {info.resolution:g}, expected '
                              f'{RESOLUTION_RANGE}')
+    if info.width * info.height > settings.max_cells:
+        raise MessageRefused(f'{topic}: got {info.width} times {info.height} cells, expected at '
+                             f'most {settings.max_cells} in all (map.max_cells)')
     if not len(cells) or len(cells) != info.width * info.height:
         raise MessageRefused(f'{topic}: got {len(cells)} cells, expected {info.width} times '
                              f'{info.height}, at least one')
@@ -61,7 +107,6 @@ def from_map_message(message: OccupancyGrid, frame: str, topic: str = 'map', *,
     if len(wrong):
         raise MessageRefused(f'{topic}: got {cells[wrong[0]]} in cell {wrong[0]}, expected '
                              f'{UNKNOWN} to {FULL}')
-    settings = settings or MapSettings()
     occupied = cells >= settings.lethal_cost_threshold
     if not settings.allow_unknown:
         occupied |= cells == UNKNOWN

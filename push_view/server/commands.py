@@ -6,7 +6,7 @@ A command is a JSON object with the key ``type``; poses are (x, y, theta) in the
 
 from collections.abc import Callable, Mapping
 import json
-import math
+import sys
 from typing import Any, NamedTuple
 
 from push_model.geometry import Pose
@@ -220,7 +220,8 @@ def _set(kind: str, values: Mapping[str, Any]) -> SetValue:
     name = values.get('name')
     if not isinstance(name, str):
         raise CommandRefused(f'{kind}.name: got {_quoted(name)}, expected the name of a setting')
-    return SetValue(name, _number(kind, 'value', values.get('value'), -math.inf, math.inf))
+    limit = sys.float_info.max
+    return SetValue(name, _number(kind, 'value', values.get('value'), -limit, limit))
 
 
 def _call(kind: str, values: Mapping[str, Any]) -> Call:

@@ -11,6 +11,9 @@ from push_view.server.page_server import Access, Callbacks, PageServer
 ANY_ADDRESS = ('0.0.0.0', '::')
 # Time that pages have to disconnect [s]; chosen: they need none.
 SHUTDOWN_TIME = 0.5
+# Time in which a connection has to ask for something until it is closed [s]; chosen: a browser
+# asks at once, and each connection takes a file descriptor.
+IDLE_TIME = 10.0
 
 
 @contextlib.asynccontextmanager
@@ -29,7 +32,8 @@ async def serve(title: str, log: MessageLog, callbacks: Callbacks, *, host: str,
     :raises OSError: where the port is taken.
     """
     server = PageServer(title, log, callbacks, access)
-    runner = web.AppRunner(server.application(), access_log=None, shutdown_timeout=SHUTDOWN_TIME)
+    runner = web.AppRunner(server.application(), access_log=None, shutdown_timeout=SHUTDOWN_TIME,
+                           keepalive_timeout=IDLE_TIME)
     await runner.setup()
     try:
         await web.TCPSite(runner, host, port).start()

@@ -167,6 +167,30 @@ def test_the_store_returns_the_same_bits(monkeypatch, tmp_path):
         assert other.table.face_points == first.table.face_points
 
 
+def test_stored_primitives_of_other_names_or_shapes_are_made_anew(monkeypatch, tmp_path,
+                                                                  primitives):
+    """As those of another version, whole as they are."""
+    folder = PrivateFolder(tmp_path)
+    monkeypatch.setattr(store, 'cache_directory', lambda: folder)
+    monkeypatch.setattr(store, 'build_table', lambda *_, **__: primitives.table)
+    monkeypatch.setattr(store, 'solve_cost_to_go', lambda *_, **__: primitives.cost_to_go)
+    store.forget()
+    store.load_primitives(BIN, ROBOT)
+    files = {path.name: folder.read(path.name) for path in tmp_path.glob('*.npz')}
+    assert len(files) == 2
+    for name, content in files.items():
+        arrays = store._decoded(content)
+        first = next(key for key in ('values', 'displacements') if key in arrays)
+        for other in ({'banana': np.zeros(3)}, {**arrays, first: arrays[first][:-1]},
+                      {**arrays, first: arrays[first][0]}):
+            folder.write(name, store._encoded(other))
+            store.forget()
+            loaded = store.load_primitives(BIN, ROBOT)
+            assert loaded.cost_to_go.values.shape == primitives.cost_to_go.values.shape
+            assert folder.read(name) == content
+    store.forget()
+
+
 def test_what_another_process_is_making_is_waited_for(monkeypatch, tmp_path, primitives):
     """Nodes that start together make the primitives once."""
     monkeypatch.setattr(store, 'cache_directory', lambda: PrivateFolder(tmp_path))

@@ -76,7 +76,8 @@ def test_a_late_interrupt_does_not_disturb_the_end():
     assert (process.returncode, output) == (0, 'closed\n')
 
 
-@pytest.mark.parametrize('numbers', [[signal.SIGINT], [signal.SIGTERM],
+@pytest.mark.parametrize('numbers', [[signal.SIGINT], [signal.SIGTERM], [signal.SIGUSR1],
+                                     [signal.SIGHUP],
                                      [signal.SIGINT, signal.SIGINT, signal.SIGTERM]])
 def test_a_signal_interrupts_a_callback_that_takes_long(numbers):
     """With exit status 0 and without a traceback; launch and a terminal may both send one."""

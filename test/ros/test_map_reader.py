@@ -2,14 +2,16 @@
 
 import math
 
+from nav_msgs.msg import OccupancyGrid
 import numpy as np
 from push_model.geometry import Pose
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.settings import MapSettings
-from push_ros.conversions.map import from_map_message, to_map_message
+from push_ros.conversions.map import from_map_message, map_reader, to_map_message
 from push_ros.conversions.primitives import MessageRefused, to_pose_message, to_stamp
 from push_ros.map_reader import MapChange, MapReader
 import pytest
+from rclpy.serialization import deserialize_message, serialize_message
 
 ORIGIN = Pose(1.0, -2.0, 0.5)
 CELLS = np.random.default_rng(0).random((40, 60)) < 0.1
@@ -100,3 +102,30 @@ def test_settings_say_what_an_obstacle_is(value, settings, occupied):
     sent.data[65] = value
     found = from_map_message(sent, 'odom', settings=MapSettings(**settings))
     assert found.occupied[1, 5] == occupied
+
+
+@pytest.mark.parametrize('frame', ['', 'm', 'ab', 'abc', 'odom', 'a/long/frame_of_a_map'])
+@pytest.mark.parametrize('size', [(1, 1), (3, 5), (40, 60)])
+def test_of_a_map_that_is_too_large_all_but_the_cells_is_read(frame, size):
+    """It is refused by its size; one that is as large as it may be is read as it is."""
+    sent = to_map_message(OccupancyMap(0.05, ORIGIN, CELLS[:size[0], :size[1]]), to_stamp(3.5),
+                          frame)
+    data, count = serialize_message(sent), size[0] * size[1]
+    sent = deserialize_message(data, OccupancyGrid)
+    assert map_reader(MapSettings(max_cells=count))(data) == sent
+    # Beyond a few bytes that may follow.
+    limit = MapSettings(max_cells=max(1, count - 20))
+    received = map_reader(limit)(data)
+    if count > 20:
+        assert (received.header, received.info) == (sent.header, sent.info)
+        assert not received.data
+    if count > limit.max_cells:
+        with pytest.raises(MessageRefused, match='cells, expected at most .*map.max_cells'):
+            from_map_message(received, frame, settings=limit)
+
+
+def test_bytes_that_are_no_map_are_not_read():
+    """However few."""
+    for data in (b'', bytes(4), b'\0\1\0\0' + bytes(7), b'\0\7\0\0' + bytes(100)):
+        with pytest.raises(RuntimeError):
+            map_reader(MapSettings())(data)

@@ -197,6 +197,16 @@ def stand(tmp_path_factory):
         yield Stand(b)
 
 
+def test_why_a_goal_was_refused_stays_until_there_is_one(stand):
+    """It is the reason of the state, not only a message beside it."""
+    stand.b.publish('goal_pose', goal(Pose(math.nan, 0.0, 0.0)))
+    stand.says('task: idle, goal_pose: got')
+    stand.b.received['diagnostics'].clear()
+    stand.measure_unanswered(1.2)
+    stand.says('task: idle, goal_pose: got')
+    assert not any(text == 'task: idle' for text in texts(stand.b, CONTROLLER))
+
+
 def test_nothing_begins_without_goal_and_start(stand):
     """A goal alone does not move the robot, and leaves it to others; a pause makes no sense."""
     stand.b.publish('goal_pose', goal(GOAL))

@@ -202,3 +202,19 @@ def test_a_twist_that_is_missing_is_no_correction_of_a_map(seed: int) -> None:
     found = right.first_fault(lambda _, message: message._replace(
         twist=Twist(0.0, 0.0, 0.0), covariance=covariance), is_absolute=True)
     assert found is not None and found[0] * right.period < 3.0 * CORRECTION_PERIOD
+
+
+@pytest.mark.parametrize('drive_type', ['differential', 'holonomic'])
+@pytest.mark.parametrize('side', [-1.0, 1.0])
+def test_only_wheels_of_a_differential_drive_do_not_go_to_the_side(drive_type: str,
+                                                                   side: float) -> None:
+    """Their twist is in wrong axes then; a turn may show as much of it as its lever means."""
+    check = OdometryCheck(dataclasses.replace(ROBOT, drive=drive_type))
+    pose = Pose(0.0, 0.0, 0.0)
+    for index, twist in enumerate((Twist(0.1, side * 0.04, 0.0), Twist(0.1, side * 0.2, side))):
+        check.check(Odometry(0.02 * index, pose, twist))
+        assert check.early_contradiction() is None
+    check.check(Odometry(0.04, pose, Twist(0.1, side * 0.1, 0.0)))
+    fault = check.early_contradiction()
+    codes = [] if fault is None else [fault.code]
+    assert codes == ([SafetyReason.ODOMETRY_LATERAL] if drive_type == 'differential' else [])

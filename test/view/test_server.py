@@ -209,3 +209,23 @@ def test_an_address_is_served_while_it_is_needed():
             assert again == url
 
     asyncio.run(run())
+
+
+def test_a_connection_that_asks_for_nothing_is_closed(monkeypatch):
+    """Half a request is none; who asks is served."""
+    monkeypatch.setattr(serving, 'IDLE_TIME', 0.05)
+
+    async def play():
+        callbacks = server.Callbacks(lambda text: asyncio.sleep(0.0))
+        async with serving.serve('a run', MessageLog(), callbacks, host='127.0.0.1', port=0,
+                                 access=server.Access()) as address:
+            port = int(address.rstrip('/').rpartition(':')[2])
+            for sent in (b'', b'GET / HT'):
+                reader, writer = await asyncio.open_connection('127.0.0.1', port)
+                writer.write(sent)
+                assert await reader.read() == b''
+                writer.close()
+            async with aiohttp.ClientSession() as session, session.get(address) as answer:
+                assert answer.status == 200
+
+    asyncio.run(play())

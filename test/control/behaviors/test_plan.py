@@ -6,7 +6,7 @@ import math
 from helpers.objects import box
 from push_control.behaviors.behavior import Abort, BehaviorContext, NoPushNeeded
 from push_control.behaviors.failures import BehaviorFailure
-from push_control.behaviors.plan import MAX_GOAL_DISTANCE, PlanBehavior
+from push_control.behaviors.plan import PlanBehavior
 from push_control.behaviors.progress import (
     MAX_INSPECTIONS, ProgressMonitor, REST_REPORT_TIME, REST_TIME_LIMIT, RETRY_TIME)
 from push_control.events import PerceptionEvent, TaskEvent
@@ -114,13 +114,18 @@ def test_an_object_whose_poses_are_biased_is_looked_at_until_that_is_too_often()
     assert bench.behavior.result.cause.code is TaskEvent.GOAL_UNCERTAIN
 
 
-def test_a_goal_in_another_unit_is_no_task():
-    """It is named with its distance."""
-    bench = Bench(goal=Pose(2.0 * MAX_GOAL_DISTANCE, 0.0, 0.0))
+@pytest.mark.parametrize('limit', [5.0, 30.0])
+def test_a_goal_in_another_unit_is_no_task(limit):
+    """It is named with its distance; one that is nearer than the limit is."""
+    settings = dataclasses.replace(SUPERVISION, max_goal_distance=limit)
+    bench = Bench(Pose(1.1 * limit, 0.0, 0.0), ControlSettings(), settings)
     bench.run(1.0)
     assert bench.behavior.result.failure is TaskFailure.NO_PLAN
     assert bench.behavior.result.cause.code is TaskEvent.GOAL_TOO_FAR
-    assert bench.behavior.result.cause.values['distance'] == pytest.approx(2.0 * MAX_GOAL_DISTANCE)
+    assert bench.behavior.result.cause.values['distance'] == pytest.approx(1.1 * limit)
+    bench = Bench(Pose(0.9 * limit, 0.0, 0.0), ControlSettings(), settings)
+    bench.run(1.0)
+    assert bench.behavior.plan_request is not None
 
 
 def test_a_task_without_progress_is_given_up():
