@@ -44,7 +44,8 @@ faults: .venv/developed ## how faults of sensors, base and processes end; half a
 	$(BIN)/python -m benchmarks.faults
 
 fuzz: .venv/developed ## random messages, files, parameters and orders of events; STEPS=100000 for hours
-	PUSH_CONTROL_FUZZ=$(or $(STEPS),3000) $(BIN)/python -m pytest -q $$(find test -name 'test_fuzz_*.py')
+	PUSH_CONTROL_FUZZ=$(or $(STEPS),3000) $(BIN)/python -m pytest -q -o faulthandler_timeout=0 \
+		$$(find test -name 'test_fuzz_*.py')
 
 # Whoever takes the place of a process that was ended by a test would run that test again.
 PYTEST := $(BIN)/python -m pytest --numprocesses auto --dist loadfile --max-worker-restart 0
