@@ -1,0 +1,1 @@
+"""Force and energy of the first touch."""
