@@ -14,23 +14,29 @@ from push_model.signals import Twist
 # Overlap of robot and object at the start that is corrected [m], chosen: what rounded numbers of
 # a scenario come to. A deeper one is a mistake.
 MAX_OVERLAP = 5e-3
+# Friction between walls and what touches them; chosen: cardboard or wood on plaster.
+WALL_FRICTION = 0.3
+# Force at which the drive of a robot stalls that pushes an object against a wall [N]; chosen: what
+# a base of 15 kg brings to the floor.
+STALL_FORCE = 100.0
 # In place of the outline of a disc.
 NO_OUTLINE = ((0.0, 0.0), (0.0, 0.0))
 
 
-def body_values(obj: PushedObject, robot: RoundRobot, smoothing: float,
-                creep: float = 0.0) -> list[float]:
+def body_values(obj: PushedObject, robot: RoundRobot, smoothing: float, creep: float = 0.0,
+                wall_friction: float = WALL_FRICTION) -> list[float]:
     """
     Encode what does not change, in the order of ``layout``.
 
     :param smoothing: speed below which support friction turns viscous [m/s].
     :param creep: slip of the contact at its friction limit over the distance that the robot's
         surface moves, see ``contact_law``.
+    :param wall_friction: Coulomb coefficient between walls and what touches them.
     """
     com_x, com_y = obj.center_of_mass
     return [obj.mass, obj.inertia, com_x, com_y, obj.radius, robot.radius,
             obj.contact_friction_coefficient, smoothing, creep, obj.contact_height,
-            obj.center_of_mass_height]
+            obj.center_of_mass_height, wall_friction, min(robot.max_push_force, STALL_FORCE)]
 
 
 def drive_values(robot: RoundRobot) -> list[float]:

@@ -44,7 +44,16 @@ PRESSURE_X = 25
 PRESSURE_Y = 26
 # State: energy since the start that the implicit step itself damps [J].
 INTEGRATION_LOSS = 27
-STATE_SIZE = 28
+# State: distance that object and robot may move before either can touch a wall [m].
+WALL_SLACK = 28
+# State: force of walls on the object over the last step, world axes [N]; how many touches it has;
+# how far it is inside a wall [m]; whether a wall holds the robot.
+WALL_FORCE_X = 29
+WALL_FORCE_Y = 30
+WALL_TOUCHES = 31
+WALL_DEPTH = 32
+ROBOT_AT_WALL = 33
+STATE_SIZE = 34
 
 # Body: what does not change during a simulation.
 MASS = 0
@@ -58,6 +67,10 @@ SMOOTHING_SPEED = 7
 CONTACT_CREEP = 8
 CONTACT_HEIGHT = 9
 CENTER_OF_MASS_HEIGHT = 10
+# Body: friction between walls and what touches them, and the greatest force with which the robot
+# pushes an object that walls hold [N].
+WALL_FRICTION = 11
+MAX_PUSH_FORCE = 12
 
 # Drive of the robot.
 TIME_CONSTANT = 0
@@ -81,6 +94,22 @@ SUPPORT_SIZE = 8
 # Number of columns of a floor patch, see ``floor.floor_rows``.
 PATCH_SIZE = 8
 
+# Number of columns of a wall, see ``walls.wall_rows``.
+WALL_SIZE = 5
+
+# Columns of a touch of object and wall: unit normal from the wall to the object, arms of it and of
+# the tangent about the mass centre [m], gap [m], normal velocity that the object needs at least
+# [m/s], impulses along normal and tangent [N s].
+TOUCH_N_X = 0
+TOUCH_N_Y = 1
+TOUCH_ARM_N = 2
+TOUCH_ARM_T = 3
+TOUCH_GAP = 4
+TOUCH_REQUIRED = 5
+TOUCH_NORMAL = 6
+TOUCH_TANGENTIAL = 7
+TOUCH_SIZE = 8
+
 # Modes of the contact.
 SEPARATE = 0
 STICK = 1
@@ -96,7 +125,7 @@ class World(NamedTuple):
     An object and the robot beside it, in arrays whose numbers have the order above.
 
     :param state: shape (``STATE_SIZE``,), is written.
-    :param body: what does not change of object and robot, shape (11,).
+    :param body: what does not change of object and robot, shape (13,).
     :param supports: shape (k, ``SUPPORT_SIZE``); their capacities and loads are written.
     :param outline: vertices in the object frame [m].
     :param floor: rows of ``floor.floor_rows``; none on a plain floor.
@@ -104,6 +133,8 @@ class World(NamedTuple):
         that nor energies are asked for.
     :param drive: lag and limits of the robot's drive, shape (3,).
     :param command: (v_x, v_y, omega) asked of the robot, its own axes [m/s, rad/s].
+    :param walls: rows of ``walls.wall_rows``; none on open floor.
+    :param touches: room for touches of object and walls, shape (m, ``TOUCH_SIZE``), is written.
     """
 
     state: Any
@@ -114,3 +145,5 @@ class World(NamedTuple):
     forces: Any
     drive: Any
     command: Any
+    walls: Any
+    touches: Any

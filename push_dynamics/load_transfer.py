@@ -12,14 +12,13 @@ import math
 from typing import Any, NamedTuple
 
 from push_dynamics.compiled import compiled, load_moment
-from push_dynamics.contact_law import (
-    ContactGeometry, ContactImpulse, MiddleOfStep, Velocity,
-)
+from push_dynamics.contact_law import ContactImpulse, MiddleOfStep, Velocity
 from push_dynamics.layout import (
     CENTER_OF_MASS_HEIGHT, CONTACT_HEIGHT, GRADIENT_X, GRADIENT_Y, INERTIA, LOAD_FRACTION,
     LOAD_RATIO, MASS, PRESSURE_X, PRESSURE_Y, SUPPORT_X, SUPPORT_Y, V_X, V_Y,
 )
-from push_dynamics.solver import CONVERGED, solve, StepSolution
+from push_dynamics.solver import CONVERGED, StepSolution
+from push_dynamics.wall_solver import solve_step, wall_impulse
 from push_model.parameters import GRAVITY
 
 # Share of an edge by which a ray through a support may miss both edges that meet there: far above
@@ -60,20 +59,24 @@ def transfers_loads(body: Any) -> bool:
 
 
 @compiled
-def pressure_of(state: Any, body: Any, h: float, velocity: Velocity, contact: ContactGeometry,
+def pressure_of(state: Any, body: Any, touches: Any, middle: MiddleOfStep, velocity: Velocity,
                 impulse: ContactImpulse) -> Pressure:
     """
-    Find the centre of pressure over a step.
+    Find the centre of pressure over a step; walls act at the height of the robot's contact.
 
     :param state: numbers in the order of ``layout``, at the start of the step.
     :param body: numbers in the order of ``layout``.
-    :param h: step [s].
+    :param touches: of object and walls, rows in the order of ``layout``.
     :param velocity: ``Velocity`` at the end of the step.
     """
+    h, contact = middle.h, middle.contact
     contact_height, height = body[CONTACT_HEIGHT], body[CENTER_OF_MASS_HEIGHT]
     mass, weight = body[MASS], h * body[MASS] * GRAVITY
     impulse_x = impulse.normal * contact.n_x - impulse.tangential * contact.n_y
     impulse_y = impulse.normal * contact.n_y + impulse.tangential * contact.n_x
+    if len(touches) > 0:
+        wall_x, wall_y = wall_impulse(touches)
+        impulse_x, impulse_y = impulse_x + wall_x, impulse_y + wall_y
     change_x, change_y = mass * (velocity.v_x - state[V_X]), mass * (velocity.v_y - state[V_Y])
     return Pressure(load_moment(contact_height, height, impulse_x, change_x) / weight,
                     load_moment(contact_height, height, impulse_y, change_y) / weight)
@@ -144,34 +147,33 @@ def shift_loads(supports: Any, c: float, s: float, pressure: Pressure) -> None:
 
 
 @compiled
-def solve_with_loads(state: Any, body: Any, supports: Any, middle: MiddleOfStep,
+def solve_with_loads(state: Any, body: Any, supports: Any, touches: Any, middle: MiddleOfStep,
                      guess: Velocity) -> StepSolution:
     """
     Solve for the velocity at the end of the step, with the loads that belong to it.
 
-    Arguments are as in ``solver.solve``. It starts with the loads of the last step, and leaves
-    those of the solution in ``supports``.
+    Arguments are as in ``wall_solver.solve_step``. It starts with the loads of the last step, and
+    leaves those of the solution in ``supports``.
 
     :return: ``StepSolution``; its residual includes what the last change of the loads may change
         the velocity by.
     """
-    h, contact = middle.h, middle.contact
     pressure = Pressure(state[PRESSURE_X], state[PRESSURE_Y])
     shift_loads(supports, middle.c, middle.s, pressure)
-    solution = solve(state, body, supports, middle, guess)
-    following = pressure_of(state, body, h, solution.velocity, contact, solution.impulse)
+    solution = solve_step(state, body, supports, touches, middle, guess)
+    following = pressure_of(state, body, touches, middle, solution.velocity, solution.impulse)
     count = 1
     # Velocity by shift: the moment of the weight, over a step, over the radius of gyration.
-    rate = h * GRAVITY * math.sqrt(body[MASS] / body[INERTIA])
+    rate = middle.h * GRAVITY * math.sqrt(body[MASS] / body[INERTIA])
     change = rate * math.hypot(following.x - pressure.x, following.y - pressure.y)
     while change > CONVERGED and count < MAX_ITERATIONS:
         count += 1
         pressure = following
         shift_loads(supports, middle.c, middle.s, pressure)
-        again = solve(state, body, supports, middle, solution.velocity)
+        again = solve_step(state, body, supports, touches, middle, solution.velocity)
         solution = StepSolution(again.velocity, again.weight_velocity, again.impulse,
                                 solution.iterations + again.iterations, again.residual)
-        following = pressure_of(state, body, h, solution.velocity, contact, solution.impulse)
+        following = pressure_of(state, body, touches, middle, solution.velocity, solution.impulse)
         change = rate * math.hypot(following.x - pressure.x, following.y - pressure.y)
     state[PRESSURE_X] = following.x
     state[PRESSURE_Y] = following.y

@@ -19,13 +19,16 @@ from push_dynamics.contact_law import (
 from push_dynamics.floor import set_local_capacities
 from push_dynamics.layout import (
     A_OMEGA, A_X, A_Y, COM_X, COM_Y, CONTACT_LOSS, DISC_RADIUS, IMPACT_LOSS, INERTIA,
-    INTEGRATION_LOSS, ITERATIONS, MASS, MODE, NORMAL_FORCE, OMEGA, ROBOT_OMEGA, ROBOT_RADIUS,
-    ROBOT_THETA, ROBOT_V_X, ROBOT_V_Y, ROBOT_X, ROBOT_Y, SEPARATE, STEPS, SUPPORT_LOSS,
-    TANGENTIAL_FORCE, THETA, UNSOLVED_STEPS, V_X, V_Y, WORK, World, X, Y,
+    INTEGRATION_LOSS, ITERATIONS, MASS, MODE, NORMAL_FORCE, OMEGA, ROBOT_AT_WALL, ROBOT_OMEGA,
+    ROBOT_RADIUS, ROBOT_THETA, ROBOT_V_X, ROBOT_V_Y, ROBOT_X, ROBOT_Y, SEPARATE, STEPS,
+    SUPPORT_LOSS, TANGENTIAL_FORCE, THETA, UNSOLVED_STEPS, V_X, V_Y, WORK, World, X, Y,
 )
 from push_dynamics.load_transfer import solve_with_loads, transfers_loads
 from push_dynamics.solver import solve, StepSolution
 from push_dynamics.support_friction import write_friction_forces
+from push_dynamics.touches import find_touches
+from push_dynamics.wall_solver import held_back, held_speed, solve_at_walls, write_touches
+from push_dynamics.walls import bounding_radius, is_near_walls, robot_beside_walls
 from push_model.geometry import Pose
 
 # Gap that counts as none [m], chosen a little above the rounding errors of world coordinates of
@@ -135,14 +138,7 @@ def rests_out_of_reach(state: Any, body: Any, outline: Any, robot: Velocity, h: 
             return False
     if state[MODE] != SEPARATE or transfers_loads(body):
         return False
-    com_x, com_y = body[COM_X], body[COM_Y]
-    radius = body[DISC_RADIUS] + math.sqrt(com_x * com_x + com_y * com_y)
-    if body[DISC_RADIUS] == 0.0:
-        radius = 0.0
-        for i in range(len(outline)):
-            x, y = outline[i][0] - com_x, outline[i][1] - com_y
-            radius = max(radius, math.sqrt(x * x + y * y))
-    nearest = (radius + body[ROBOT_RADIUS]
+    nearest = (bounding_radius(body, outline) + body[ROBOT_RADIUS]
                + h * math.sqrt(robot.v_x * robot.v_x + robot.v_y * robot.v_y))
     d_x, d_y = state[ROBOT_X] - state[X], state[ROBOT_Y] - state[Y]
     return d_x * d_x + d_y * d_y > nearest * nearest
@@ -164,42 +160,91 @@ def move_robot(state: Any, tracked: TrackedCommand, robot: Velocity, h: float) -
 
 
 @compiled
+def stop_robot(state: Any, body: Any, walls: Any, lacking: Velocity, h: float) -> None:
+    """
+    Take from the robot, at the end of a step, the velocity that walls do not let it have.
+
+    :param lacking: what it lacks at the contact, as walls hold the object, world axes.
+    """
+    c, s = math.cos(state[ROBOT_THETA]), math.sin(state[ROBOT_THETA])
+    v_x, v_y = state[ROBOT_V_X], state[ROBOT_V_Y]
+    driven = Velocity(c * v_x - s * v_y - lacking.v_x, s * v_x + c * v_y - lacking.v_y, 0.0)
+    end = robot_beside_walls(walls, body, state[ROBOT_X], state[ROBOT_Y], driven, h)
+    state[ROBOT_V_X] = c * end.v_x + s * end.v_y
+    state[ROBOT_V_Y] = c * end.v_y - s * end.v_x
+
+
+@compiled
+def push_object(world: World, robot: Velocity, h: float, is_near: bool) -> Velocity:
+    """
+    Move the object by one step.
+
+    :param robot: mean velocity of the robot over the step, world axes.
+    :param is_near: whether walls may touch the object.
+    :return: what the robot lacks at the contact, as walls hold the object, world axes.
+    """
+    state, body, supports, outline = world.state, world.body, world.supports, world.outline
+    guess = Velocity(state[V_X] + h * state[A_X], state[V_Y] + h * state[A_Y],
+                     state[OMEGA] + h * state[A_OMEGA])
+    middle = middle_of_step(state, body, outline, guess, robot, h)
+    x, y = state[X] + 0.5 * h * guess.v_x, state[Y] + 0.5 * h * guess.v_y
+    count = 0
+    if is_near:
+        pose = Pose(x - middle.c * body[COM_X] + middle.s * body[COM_Y],
+                    y - middle.s * body[COM_X] - middle.c * body[COM_Y],
+                    state[THETA] + 0.5 * h * guess.omega)
+        count = find_touches(world, pose, guess, h)
+    if len(world.floor) > 0:
+        set_local_capacities(world.floor, supports, x, y, middle.c, middle.s)
+    if transfers_loads(body):
+        solution = solve_with_loads(state, body, supports, world.touches[:count], middle, guess)
+    elif count == 0:
+        solution = solve(state, body, supports, middle, guess)
+    else:
+        solution = solve_at_walls(state, body, supports, world.touches[:count], middle, guess)
+    held = 0.0
+    if count > 0:
+        held = held_speed(middle, solution)
+        middle = held_back(middle, held)
+        write_touches(state, world.touches[:count], solution.velocity, h)
+    if len(world.forces) > 0:
+        power = write_friction_forces(world.forces, body, supports, middle,
+                                      solution.weight_velocity, solution.velocity)
+        add_energies(state, body, middle, guess, solution, h * power)
+    move_object(state, solution, h)
+    state[ITERATIONS] += solution.iterations
+    if solution.residual > UNSOLVED_RESIDUAL:
+        state[UNSOLVED_STEPS] += 1
+    return Velocity(held * middle.contact.n_x, held * middle.contact.n_y, 0.0)
+
+
+@compiled
 def step(world: World, h: float) -> None:
     """Move object and robot by one step, in place."""
-    state, body, supports, outline, floor, forces, drive, command = world
-    tracked = track_command(state[ROBOT_V_X], state[ROBOT_V_Y], state[ROBOT_OMEGA], command, drive,
-                            h)
+    state, body, walls = world.state, world.body, world.walls
+    tracked = track_command(state[ROBOT_V_X], state[ROBOT_V_Y], state[ROBOT_OMEGA], world.command,
+                            world.drive, h)
     u_x, u_y = chord_velocity(state[ROBOT_THETA], tracked.mean_x, tracked.mean_y,
                               tracked.mean_omega, h)
     robot = Velocity(u_x, u_y, tracked.mean_omega)
     state[STEPS] += 1
+    is_near = len(walls) > 0 and is_near_walls(state, body, world.outline, walls, robot, h)
+    if is_near:
+        robot = robot_beside_walls(walls, body, state[ROBOT_X], state[ROBOT_Y], robot, h)
+    lacking = Velocity(0.0, 0.0, 0.0)
     # What the step would come to, for less: most of the time a robot drives around.
-    if len(floor) == 0 and rests_out_of_reach(state, body, outline, robot, h):
-        for i in range(len(forces)):
-            forces[i] = 0.0
+    if len(world.floor) == 0 and rests_out_of_reach(state, body, world.outline, robot, h):
+        for i in range(len(world.forces)):
+            world.forces[i] = 0.0
         state[NORMAL_FORCE] = 0.0
         state[TANGENTIAL_FORCE] = 0.0
-        move_robot(state, tracked, robot, h)
-        return
-    guess = Velocity(state[V_X] + h * state[A_X], state[V_Y] + h * state[A_Y],
-                     state[OMEGA] + h * state[A_OMEGA])
-    middle = middle_of_step(state, body, outline, guess, robot, h)
-    if len(floor) > 0:
-        set_local_capacities(floor, supports, state[X] + 0.5 * h * guess.v_x,
-                             state[Y] + 0.5 * h * guess.v_y, middle.c, middle.s)
-    if transfers_loads(body):
-        solution = solve_with_loads(state, body, supports, middle, guess)
     else:
-        solution = solve(state, body, supports, middle, guess)
-    if len(forces) > 0:
-        power = write_friction_forces(forces, body, supports, middle,
-                                      solution.weight_velocity, solution.velocity)
-        add_energies(state, body, middle, guess, solution, h * power)
-    move_object(state, solution, h)
+        lacking = push_object(world, robot, h, is_near)
+    robot = Velocity(robot.v_x - lacking.v_x, robot.v_y - lacking.v_y, robot.omega)
     move_robot(state, tracked, robot, h)
-    state[ITERATIONS] += solution.iterations
-    if solution.residual > UNSOLVED_RESIDUAL:
-        state[UNSOLVED_STEPS] += 1
+    if robot.v_x != u_x or robot.v_y != u_y:
+        state[ROBOT_AT_WALL] = 1.0
+        stop_robot(state, body, walls, lacking, h)
 
 
 @compiled

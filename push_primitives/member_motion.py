@@ -28,8 +28,8 @@ class Worlds(NamedTuple):
     """
     Worlds that differ in state, body and supports; the other arrays are those of ``World``.
 
-    :param states: shape (n, 28), is written.
-    :param bodies: shape (n, 11).
+    :param states: shape (n, 34), is written.
+    :param bodies: shape (n, 13).
     :param supports: shape (n, k, 8).
     """
 
@@ -41,6 +41,8 @@ class Worlds(NamedTuple):
     forces: Any
     drive: Any
     command: Any
+    walls: Any
+    touches: Any
 
 
 @compiled
@@ -52,7 +54,7 @@ def member_world(worlds: Worlds, i: int, state: Any) -> World:
     :param state: array that is its state, which is written.
     """
     return World(state, worlds.bodies[i], worlds.supports[i], worlds.outline, worlds.floor,
-                 worlds.forces, worlds.drive, worlds.command)
+                 worlds.forces, worlds.drive, worlds.command, worlds.walls, worlds.touches)
 
 
 @compiled
@@ -153,8 +155,8 @@ def close_gaps(states: Any, bodies: Any, outline: Any, gaps: Any) -> None:
     """
     Move robots off overlaps; those that were in contact touch again.
 
-    :param states: shape (n, 28), is written.
-    :param bodies: shape (n, 11).
+    :param states: shape (n, 34), is written.
+    :param bodies: shape (n, 13).
     :param outline: vertices in the object frame [m].
     :param gaps: gap of each member before [m], shape (n,), is written.
     """

@@ -17,8 +17,8 @@ import numpy as np
 from push_dynamics.compiled import compiled
 from push_dynamics.encoding import body_values, drive_values, NO_OUTLINE, support_rows
 from push_dynamics.layout import (
-    COM_X, COM_Y, PATCH_SIZE, ROBOT_OMEGA, ROBOT_THETA, ROBOT_V_X, ROBOT_X, ROBOT_Y,
-    STATE_SIZE, THETA, World, X, Y,
+    COM_X, COM_Y, PATCH_SIZE, ROBOT_OMEGA, ROBOT_THETA, ROBOT_V_X, ROBOT_X, ROBOT_Y, STATE_SIZE,
+    THETA, TOUCH_SIZE, WALL_SIZE, World, X, Y,
 )
 from push_dynamics.step import advance
 from push_model.friction import friction_center
@@ -212,7 +212,9 @@ def build_table(obj: PushedObject, robot_radius: float, *, seed: int = 0,
         floor=np.zeros((0, PATCH_SIZE)),
         forces=np.zeros(2 * len(obj.supports)),
         drive=np.array(drive_values(robot)),
-        command=np.zeros(3))
+        command=np.zeros(3),
+        walls=np.zeros((0, WALL_SIZE)),
+        touches=np.zeros((0, TOUCH_SIZE)))
     driven_lengths = np.array(lengths, dtype=float)
     # One by one: a signal is noticed between two calls.
     rows_to_do = zip(starts, kinds.curvatures.tolist(), displacements)

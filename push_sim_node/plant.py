@@ -9,11 +9,13 @@ from push_dynamics.actuation import limit_command
 from push_dynamics.compiled import interpreted, IS_COMPILED, kernel_array, values_of
 from push_dynamics.encoding import (
     body_values, drive_values, encode_velocities, initial_state, NO_OUTLINE, object_pose_of,
-    object_twist_of, resolve_overlap, robot_pose_of, robot_twist_of, support_rows,
+    object_twist_of, resolve_overlap, robot_pose_of, robot_twist_of, support_rows, WALL_FRICTION,
 )
 from push_dynamics.floor import floor_rows, FloorPatch
 from push_dynamics.layout import World
 from push_dynamics.step import advance, step_count
+from push_dynamics.touches import MAX_TOUCHES
+from push_dynamics.walls import Wall, wall_rows
 from push_model.friction import check_tipping, has_heights
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
@@ -21,9 +23,9 @@ from push_model.signals import STOP, Twist
 from push_sim_node.drive_imperfections import DriveImperfections
 from push_sim_node.imperfect_drive import ImperfectDrive, is_ideal
 from push_sim_node.tape_row import (
-    columns_of, COMMAND, CONTACT, ENERGY, OBJECT, ROBOT, SUPPORTS, write_row,
+    columns_of, COMMAND, CONTACT, ENERGY, OBJECT, ROBOT, SUPPORTS, WALL_COLUMNS, write_row,
 )
-from push_sim_node.truth import ContactMode, Energy, Truth
+from push_sim_node.truth import ContactMode, Energy, Truth, WallTouch
 
 
 class _Kernel(NamedTuple):
@@ -76,6 +78,8 @@ class Plant:
     :param step: longest step [s].
     :param smoothing: speed below which support friction turns viscous [m/s].
     :param floor: ``FloorPatch`` sequence.
+    :param walls: ``Wall`` sequence, which object and robot do not pass.
+    :param wall_friction: Coulomb coefficient between walls and what touches them.
     :param creep: slip of the contact at its friction limit over the distance that the robot's
         surface moves.
     :param imperfections: ``DriveImperfections`` of the base.
@@ -87,7 +91,8 @@ class Plant:
 
     def __init__(self, obj: PushedObject, robot: RoundRobot, object_pose: Pose, robot_pose: Pose,
                  step: float = 2e-3, smoothing: float = 1e-5, *,
-                 floor: Sequence[FloorPatch] = (), creep: float = 0.0,
+                 floor: Sequence[FloorPatch] = (), walls: Sequence[Wall] = (),
+                 wall_friction: float = WALL_FRICTION, creep: float = 0.0,
                  imperfections: DriveImperfections = DriveImperfections(),
                  interpret: bool = False) -> None:
         check_tipping(obj)
@@ -104,14 +109,18 @@ class Plant:
         drive = drive_values(robot) if self._imperfect_drive is None else IMMEDIATE_DRIVE
         self._world = World(
             state=array(initial_state(obj, object_pose, robot_pose)),
-            body=array(body_values(obj, robot, smoothing, creep)),
+            body=array(body_values(obj, robot, smoothing, creep, wall_friction)),
             supports=array(support_rows(obj, obj.capacities, [1.0] * len(obj.supports))),
             outline=array(obj.outline or NO_OUTLINE),
             floor=array(np.reshape(floor_rows(floor), (-1, layout.PATCH_SIZE))),
             forces=array([0.0] * (2 * len(obj.supports))),
             drive=array(drive),
-            command=array(STOP))
-        self._row_size = len(columns_of(obj))
+            command=array(STOP),
+            walls=array(np.zeros((0, layout.WALL_SIZE))),
+            touches=array(np.zeros((0, layout.TOUCH_SIZE))))
+        self.set_walls(walls)
+        self._has_walls = bool(walls)
+        self._row_size = len(columns_of(obj, self._has_walls))
         self._compile()
 
     def set_friction_factors(self, factors: Sequence[float]) -> None:
@@ -133,6 +142,19 @@ class Plant:
         self._world.body[layout.CONTACT_FRICTION] = coefficient
         self._forget_acceleration()
 
+    def set_walls(self, walls: Sequence[Wall]) -> None:
+        """
+        Replace the walls.
+
+        :param walls: ``Wall`` sequence; rows of a tape keep the columns that they have.
+        """
+        array = self._kernel.array
+        self._world = self._world._replace(
+            walls=array(np.reshape(wall_rows(walls), (-1, layout.WALL_SIZE))),
+            touches=array(np.zeros((MAX_TOUCHES if walls else 0, layout.TOUCH_SIZE))))
+        for i in range(layout.WALL_SLACK, layout.ROBOT_AT_WALL + 1):
+            self._world.state[i] = 0.0
+
     def set_object_pose(self, pose: Pose) -> None:
         """
         Put the object elsewhere, at rest, as a person would; the robot is not affected.
@@ -145,7 +167,8 @@ class Plant:
         if resolve_overlap(self.obj, self.robot, pose, robot_pose) != robot_pose:
             raise ValueError(f'pose: got {tuple(pose)}, expected one beside the robot')
         state = initial_state(self.obj, pose, robot_pose)
-        for i in (*range(layout.X, layout.A_OMEGA + 1), layout.PRESSURE_X, layout.PRESSURE_Y):
+        for i in (*range(layout.X, layout.A_OMEGA + 1), layout.PRESSURE_X, layout.PRESSURE_Y,
+                  layout.WALL_SLACK):
             self._world.state[i] = state[i]
 
     def stand_at(self, object_pose: Pose, robot_pose: Pose) -> None:
@@ -156,7 +179,7 @@ class Plant:
         :param robot_pose: ``Pose`` of the robot in the world.
         """
         state = initial_state(self.obj, Pose(*object_pose), Pose(*robot_pose))
-        for i in range(layout.X, layout.TANGENTIAL_FORCE + 1):
+        for i in (*range(layout.X, layout.TANGENTIAL_FORCE + 1), layout.WALL_SLACK):
             self._world.state[i] = state[i]
 
     def set_velocities(self, object_twist: Twist, robot_twist: Twist) -> None:
@@ -273,8 +296,13 @@ class Plant:
         self._kernel.write_row(row, self._world)
         row[0] = time
         row[COMMAND:COMMAND + 3] = command
+        end = self._row_size
+        if self._has_walls:
+            start = end - len(WALL_COLUMNS)
+            row[start:end] = self._world.state[layout.WALL_FORCE_X:layout.ROBOT_AT_WALL + 1]
+            end = start
         if has_heights(self.obj):
-            row[-len(self.obj.supports):] = self._support_loads
+            row[end - len(self.obj.supports):end] = self._support_loads
         return row
 
     def truth(self, time: float) -> Truth:
@@ -302,7 +330,15 @@ class Plant:
             force_t=force_t,
             support_forces=tuple(zip(forces[::2], forces[1::2])),
             support_loads=self._support_loads,
-            energy=Energy(*row[ENERGY:SUPPORTS]))
+            energy=Energy(*row[ENERGY:SUPPORTS]),
+            walls=self._wall_touch)
+
+    @property
+    def _wall_touch(self) -> WallTouch:
+        """How walls touch object and robot."""
+        x, y, count, depth, holds = map(float, self._world.state[
+            layout.WALL_FORCE_X:layout.ROBOT_AT_WALL + 1])
+        return WallTouch((x, y), int(count), depth, holds > 0.0)
 
     @property
     def _support_loads(self) -> tuple[float, ...]:

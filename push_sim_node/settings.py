@@ -2,7 +2,9 @@
 
 import dataclasses
 
+from push_dynamics.encoding import WALL_FRICTION
 from push_dynamics.floor import FloorPatch
+from push_dynamics.walls import Wall
 from push_model.quantity import check, quantity
 from push_sim_node.disturbance import FrictionChange, ObjectDisplacement
 from push_sim_node.drive_imperfections import DriveImperfections
@@ -24,6 +26,9 @@ class SimulationSettings:
                                                             default=())
     floor_patches: tuple[FloorPatch, ...] = quantity('places of other support friction',
                                                      default=())
+    walls: tuple[Wall, ...] = quantity('walls that stop object and robot', default=())
+    wall_friction: float = quantity('friction coefficient between walls and what touches them',
+                                    '', 0.0, 2.0, default=WALL_FRICTION)
     object_displacements: tuple[ObjectDisplacement, ...] = quantity(
         'displacements of the object by a person', default=())
     drive: DriveImperfections = DriveImperfections()
@@ -32,6 +37,7 @@ class SimulationSettings:
         """Validate the fields."""
         check(self)
         for name, kind in (('friction_changes', FrictionChange), ('floor_patches', FloorPatch),
+                           ('walls', Wall),
                            ('object_displacements', ObjectDisplacement)):
             for item in getattr(self, name):
                 if not isinstance(item, kind):

@@ -119,7 +119,8 @@ class Simulation:
     command that answers it. ``object_v`` is in world axes, ``robot_v`` and ``command`` in the
     robot's own, angles are not wrapped, ``mode`` is ``ContactMode.code``, and ``pushing_angle``
     is nan without contact; the rest is as in ``Truth``, as is the friction ``support_0_x``,
-    ``support_0_y``, ... on each support [N] behind the other columns.
+    ``support_0_y``, ... on each support [N] behind the other columns, and ``WallTouch`` where
+    there are walls.
 
     :param obj: the true ``PushedObject``.
     :param robot: the true ``RoundRobot``.
@@ -159,8 +160,9 @@ class Simulation:
             object_start = Pose(*object_pose)
         self.plant = self._plant_type(
             self.obj, self.robot, object_start, robot_start, settings.step,
-            settings.friction_smoothing, floor=settings.floor_patches,
-            creep=settings.contact_creep, imperfections=settings.drive,
+            settings.friction_smoothing, floor=settings.floor_patches, walls=settings.walls,
+            wall_friction=settings.wall_friction, creep=settings.contact_creep,
+            imperfections=settings.drive,
             interpret=self._interpret)
         # A stream for each error, so that none depends on how often another is drawn.
         pose_noise, losses, biases, twist_noise, odometry_noise, outliers = (
@@ -185,7 +187,7 @@ class Simulation:
     @property
     def columns(self) -> tuple[str, ...]:
         """Names of the columns of ``rows``, see ``columns_of``."""
-        return columns_of(self.obj)
+        return columns_of(self.obj, bool(self.settings.walls))
 
     @property
     def tape(self) -> Tape:

@@ -32,19 +32,23 @@ COLUMNS = ('time',
 OBJECT, ROBOT, COMMAND, CONTACT, ENERGY = (
     COLUMNS.index(name) for name in ('object_x', 'robot_x', 'command_v_x', 'mode', 'energy_work'))
 SUPPORTS = len(COLUMNS)
+# Columns in the order of the state, where there are walls.
+WALL_COLUMNS = ('wall_force_x', 'wall_force_y', 'wall_touches', 'wall_depth', 'robot_at_wall')
 
 
-def columns_of(obj: PushedObject) -> tuple[str, ...]:
+def columns_of(obj: PushedObject, has_walls: bool = False) -> tuple[str, ...]:
     """
     List the columns of a tape: ``COLUMNS``, then the friction on each support.
 
-    The loads of the supports follow where pushes shift them.
+    The loads of the supports follow where pushes shift them, then what walls do.
+
+    :param has_walls: whether there are any.
     """
     supports = range(len(obj.supports))
     columns = COLUMNS + tuple(f'support_{i}_{axis}' for i in supports for axis in 'xy')
     if has_heights(obj):
         columns += tuple(f'support_{i}_load' for i in supports)
-    return columns
+    return columns + WALL_COLUMNS if has_walls else columns
 
 
 @compiled

@@ -52,7 +52,7 @@ class Energy(NamedTuple):
     :param work: of the robot on the object.
     :param kinetic: of the object.
     :param support_loss: by friction on the floor.
-    :param contact_loss: by friction between robot and object.
+    :param contact_loss: by friction of the object at robot and walls.
     :param impact_loss: in inelastic impacts.
     :param integration_loss: what the implicit step itself damps; it vanishes with the step.
     """
@@ -63,6 +63,22 @@ class Energy(NamedTuple):
     contact_loss: float
     impact_loss: float
     integration_loss: float
+
+
+class WallTouch(NamedTuple):
+    """
+    How walls touch object and robot, over the last step.
+
+    :param force: of walls on the object, world axes (x, y) [N].
+    :param points: number of points at which they push it.
+    :param depth: by which the object is inside a wall [m]; errors of the step.
+    :param holds_robot: whether a wall, or an object at a wall, keeps the robot from going on.
+    """
+
+    force: tuple[float, float] = (0.0, 0.0)
+    points: int = 0
+    depth: float = 0.0
+    holds_robot: bool = False
 
 
 class Truth(NamedTuple):
@@ -86,6 +102,7 @@ class Truth(NamedTuple):
     :param support_forces: friction force on each support, world axes, (x, y) [N].
     :param support_loads: normal load on each support [N].
     :param energy: ``Energy``.
+    :param walls: ``WallTouch``.
     """
 
     time: float
@@ -103,3 +120,4 @@ class Truth(NamedTuple):
     support_forces: tuple[tuple[float, float], ...]
     support_loads: tuple[float, ...]
     energy: Energy
+    walls: WallTouch = WallTouch()

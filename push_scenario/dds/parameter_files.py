@@ -59,7 +59,7 @@ def write_parameter_files(folder: Path, scenario: Scenario, settings: ControlSet
 
 def _sim_sections(scenario: Scenario) -> list[Section]:
     return [('object.', scenario.true_object), ('robot.', scenario.true_robot), ('', Frames()),
-            ('sensors.', scenario.sensors), ('simulation.', scenario.simulation)]
+            ('sensors.', scenario.sensors), ('simulation.', scenario.plant_settings)]
 
 
 def _planner_sections(scenario: Scenario) -> list[Section]:

@@ -6,10 +6,12 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from push_dynamics.walls import Wall
 from push_model.quantity import check, quantity
 from push_navigation.map_file import GridMap
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.settings import MapSettings
+from push_navigation.wall_segments import map_walls
 from push_scenario.definition.placement import Placement
 
 FREE, OCCUPIED, UNKNOWN = '.', '#', '?'
@@ -44,6 +46,11 @@ class FloorMap:
     def occupancy_map(self) -> OccupancyMap:
         """The same where unknown cells are obstacles."""
         return self.read(MapSettings())
+
+    @functools.cached_property
+    def walls(self) -> tuple[Wall, ...]:
+        """The ``Wall`` round each block of occupied cells; unknown ones are none."""
+        return map_walls(self.read(MapSettings(allow_unknown=True)))
 
     def read(self, settings: MapSettings) -> OccupancyMap:
         """Return the same as an ``OccupancyMap``; its origin is the lower left corner."""

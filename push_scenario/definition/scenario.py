@@ -149,6 +149,14 @@ class Scenario:
         later = self.task.goals if self.task is not None else ()
         return (later[-1].goal if later else self.goal).pose
 
+    @property
+    def plant_settings(self) -> SimulationSettings:
+        """``simulation``, with the walls of the task's map besides its own."""
+        if self.task is None or self.task.map is None:
+            return self.simulation
+        return dataclasses.replace(
+            self.simulation, walls=(*self.simulation.walls, *self.task.map.walls))
+
     def with_law(self, law: 'str | type[SteeringLaw]') -> 'Scenario':
         """
         Steer by another law; it steers steered pushes alone.

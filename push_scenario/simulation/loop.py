@@ -131,7 +131,7 @@ def make_simulation(scenario: Scenario, plant_type: type[Plant] = Plant) -> Simu
     :param plant_type: as of ``Simulation``.
     """
     return Simulation(scenario.true_object, scenario.true_robot, scenario.start.object.pose,
-                      scenario.robot_start, scenario.simulation, scenario.sensors,
+                      scenario.robot_start, scenario.plant_settings, scenario.sensors,
                       plant_type=plant_type)
 
 

@@ -81,8 +81,8 @@ def read_poses(states: Any, bodies: Any, poses: Any, moments: Any) -> None:
     """
     Read the poses of all members, with their means and standard deviations.
 
-    :param states: shape (n, 28).
-    :param bodies: shape (n, 11).
+    :param states: shape (n, 34).
+    :param bodies: shape (n, 13).
     :param poses: of robots and object frames (x, y, theta each), shape (n, 6), is written.
     :param moments: mean and standard deviation of each column, shape (2, 6), is written.
     """
@@ -114,8 +114,8 @@ def write_poses(states: Any, bodies: Any, poses: Any, first: int) -> None:
     """
     Place robots and objects.
 
-    :param states: shape (n, 28), is written.
-    :param bodies: shape (n, 11).
+    :param states: shape (n, 34), is written.
+    :param bodies: shape (n, 13).
     :param poses: as ``read_poses`` writes them.
     :param first: 0 for both, 3 for the objects alone.
     """

@@ -67,7 +67,7 @@ class Members:
     """
     States and parameters of all members.
 
-    ``states``: shape (n, 28), rows in the order of ``push_dynamics.layout``. ``parameters``: shape
+    ``states``: shape (n, 34), rows in the order of ``push_dynamics.layout``. ``parameters``: shape
     (n, 3 + supports + 1): odometry errors, logarithms of the friction factors of the supports,
     contact friction. ``wheel_creep``: as of ``wheel_creep``, shape (n, 1) [1/N].
     """
@@ -97,7 +97,9 @@ class Members:
             # Nobody asks for the friction on each support.
             forces=np.zeros(0),
             drive=np.array(IDEAL_DRIVE),
-            command=np.zeros(3))
+            command=np.zeros(3),
+            walls=np.zeros((0, layout.WALL_SIZE)),
+            touches=np.zeros((0, layout.TOUCH_SIZE)))
         # Memory of the rollouts.
         self.rollout_states: FloatArray = np.zeros((2, layout.STATE_SIZE))
         # Many ask for the poses between two changes of them.
