@@ -6,6 +6,7 @@ from push_model.geometry import Pose
 from push_model.parameters import PushedObject
 from push_model.signals import STOP
 from push_navigation.occupancy_map import OccupancyMap
+from push_navigation.wall_segments import map_walls
 from push_safety.layer import SafetyLayer
 from push_scenario.simulation.loop import (
     ClosedLoop, first_observation, make_safety_layer, make_simulation, PLANNING_TIME)
@@ -34,8 +35,8 @@ class LiveRun:
     """
     Plant, sensors and robot from time 0 on.
 
-    Where robot or object touches a wall both stand where they were before, and the robot gives
-    its task up. A task that is done waits for the next goal.
+    Walls stop robot and object. Where the robot touches one both stand, and it gives its task up.
+    A task that is done waits for the next goal.
 
     :param setup: the ``Setup``.
     :param occupancy_map: walls, or None for open floor.
@@ -46,8 +47,9 @@ class LiveRun:
                  log: MessageLog) -> None:
         scenario = setup.scenario
         self._log = log
-        self._map = occupancy_map
         self._simulation: Simulation = make_simulation(scenario)
+        self._touching: set[Body] = set()
+        self._set_walls(occupancy_map)
         self._walls = WallContactDetector(scenario.true_object, scenario.true_robot)
         observation = first_observation(self._simulation)
         self._robot = TaskControl(scenario, setup.task, PLANNING_TIME)
@@ -97,13 +99,8 @@ class LiveRun:
         """Let time pass until the next measurement; ``show`` shows it."""
         # That the robot has ended its task is no reason to end the session.
         self._robot.update_plan(self._loop.observation)
-        plant = self._simulation.plant
-        object_pose, robot_pose = plant.object_pose, plant.robot_pose
         self._loop.advance()
-        contact = self._wall_contact(self._map)
-        if contact is not None:
-            plant.stand_at(object_pose, robot_pose)
-            self._give_up(contact)
+        self._watch_walls()
         self._display.take_rows()
 
     def rehearse(self) -> None:
@@ -144,7 +141,7 @@ class LiveRun:
         """
         if occupancy_map is not None and not self._is_free(occupancy_map):
             raise CommandRefused('a wall cannot be there: robot or object is in the way')
-        self._map = occupancy_map
+        self._set_walls(occupancy_map)
         self._robot.set_map(occupancy_map)
         self._robot.set_goal(self._robot.goal)
         self._log.add(map_message(self.shown_time, occupancy_map))
@@ -179,25 +176,38 @@ class LiveRun:
         self.show()
 
     def _is_free(self, occupancy_map: OccupancyMap) -> bool:
-        """Tell whether no wall touches robot or object, or is inside of them."""
+        """Tell whether no wall is inside of robot or object."""
         plant = self._simulation.plant
-        return (self._wall_contact(occupancy_map) is None
-                and occupancy_map.robot_is_free(plant.robot, np.array([plant.robot_pose]), -BESIDE)
+        return (occupancy_map.robot_is_free(plant.robot, np.array([plant.robot_pose]), -BESIDE)
                 and occupancy_map.object_is_free(plant.obj, np.array([plant.object_pose]),
                                                  -BESIDE))
 
-    def _wall_contact(self, occupancy_map: OccupancyMap | None) -> WallContact | None:
+    def _set_walls(self, occupancy_map: OccupancyMap | None) -> None:
+        self._map = occupancy_map
+        self._simulation.plant.set_walls(
+            () if occupancy_map is None else map_walls(occupancy_map))
+
+    def _wall_contacts(self, occupancy_map: OccupancyMap | None) -> list[WallContact]:
+        """List which bodies touch a wall."""
         if occupancy_map is None:
-            return None
+            return []
         plant = self._simulation.plant
-        return (self._walls.find(occupancy_map, Body.ROBOT, plant.robot_pose)
-                or self._walls.find(occupancy_map, Body.OBJECT, plant.object_pose))
+        contacts = (self._walls.find(occupancy_map, Body.ROBOT, plant.robot_pose),
+                    self._walls.find(occupancy_map, Body.OBJECT, plant.object_pose))
+        return [contact for contact in contacts if contact is not None]
+
+    def _watch_walls(self) -> None:
+        """Show what begins to touch a wall; a robot that does stands."""
+        contacts = self._wall_contacts(self._map)
+        for contact in contacts:
+            if contact.body not in self._touching:
+                self._log.add(collision_message(self.time, contact))
+                if contact.body is Body.ROBOT and not self.is_standing:
+                    self._give_up(contact)
+        self._touching = {contact.body for contact in contacts}
 
     def _give_up(self, contact: WallContact) -> None:
-        if self.is_standing:
-            return
-        # Rows of the time inside the wall are not to be seen.
-        self._simulation.rows.clear()
+        plant = self._simulation.plant
+        plant.stand_at(plant.object_pose, plant.robot_pose)
         self._simulation.command(STOP)
         self._robot.supervisor.interrupt(TaskEvent.HIT_WALL.report(contact=contact))
-        self._log.add(collision_message(self.time, contact))
