@@ -121,3 +121,6 @@ class PlanFailure(enum.Enum):
     INVALID_PLAN = 'the plan cannot be used'
     INTERNAL_ERROR = 'the planner has made an error'
     NO_SOLVER = 'a steered push needs casadi, which is not installed'
+    UNCERTAIN_POSITION = 'the robot does not know its position well enough among obstacles'
+    NO_FACE = 'the object cannot be pushed away from where it stands'
+    SEARCH_LIMIT = 'no way was found before the search had to end'

@@ -10,15 +10,17 @@ from numpy.typing import ArrayLike, NDArray
 from push_model.geometry import BoolArray, Coordinates, FloatArray, IntArray, Pose
 from push_model.parameters import Outline, PushedObject, RoundRobot
 from push_navigation.distance_field import distance_field, INTERPOLATION_ERROR
-from push_navigation.obstacle import inflate, points_on_outline
+from push_navigation.footprint_clearance import footprint_clearances
 
 # Range of the sides of cells [m]; chosen: below it no sensor measures, and points on the rim of an
 # object, a few per cell, take all memory; above it a cell is a room.
 MIN_RESOLUTION, MAX_RESOLUTION = 1e-3, 10.0
 RESOLUTION_RANGE = f'a length from {MIN_RESOLUTION:g} to {MAX_RESOLUTION:g} m'
-# Points on the rim of an object, per cell; chosen: a corner of an obstacle that pokes between two
-# of them is an eighth of a cell nearer than it seems.
-RIM_POINTS_PER_CELL = 4
+# Overlap that is no collision, rounding [m].
+TOUCHING = 1e-6
+# Clearance from which on that of the circle round the object is exact enough [m]; chosen: nothing
+# that is decided depends on it.
+FAR_CLEARANCE = 1.0
 # Distance from obstacles that were freed up to which clearances are computed anew [m]; chosen:
 # more than object and robot ever need.
 FREED_RANGE = 2.0
@@ -192,16 +194,8 @@ class OccupancyMap:
         :param margin: distance [m].
         :return: shape (n,).
         """
-        poses = np.asarray(poses, dtype=float)
-        if not obj.outline:
-            return self.clearance(poses[:, :2]) < obj.radius + margin
-        points, radius, center = _covering_points(obj.outline, self.resolution)
-        # Where even the circle round the object is clear, its points need no look.
-        collides = self.clearance(_placed(center[None, :], poses)) < radius + margin
-        close = np.flatnonzero(collides)
-        if close.size:
-            collides[close] = self._outline_clearances(points, poses[close]) < margin
-        return collides
+        clearances = self.object_clearances(obj, poses, margin)
+        return clearances < margin - TOUCHING
 
     def object_clearance(self, obj: PushedObject, poses: ArrayLike) -> float:
         """
@@ -209,15 +203,28 @@ class OccupancyMap:
 
         :param poses: of the object frame (x, y, theta) in the world, shape (n, 3).
         """
-        poses = np.asarray(poses, dtype=float)
-        if not obj.outline:
-            return float(self.clearance(poses[:, :2]).min()) - obj.radius
-        points, _, _ = _covering_points(obj.outline, self.resolution)
-        return float(self._outline_clearances(points, poses).min())
+        return float(self.object_clearances(obj, poses).min())
 
-    def _outline_clearances(self, points: FloatArray, poses: FloatArray) -> FloatArray:
-        clearances = self.clearance(_placed(points, poses)).reshape(len(poses), -1).min(axis=1)
-        return clearances - 0.5 * self.resolution / RIM_POINTS_PER_CELL
+    def object_clearances(self, obj: PushedObject, poses: ArrayLike,
+                          enough: float = math.inf) -> FloatArray:
+        """
+        Find the clearances of the object at some poses, exact to the squares of cells.
+
+        :param poses: of the object frame (x, y, theta) in the world, shape (n, 3).
+        :param enough: clearance from which on no exact value is needed [m].
+        :return: shape (n,) [m], negative where it overlaps an obstacle.
+        """
+        poses = np.asarray(poses, dtype=float)
+        in_map = np.column_stack([self.to_map(poses[:, :2]), poses[:, 2] - self.origin.theta])
+        vertices, radius = footprint(obj)
+        clearances = self.clearance(poses[:, :2]) - math.hypot(*np.abs(vertices).max(axis=0))
+        clearances -= radius
+        close = np.flatnonzero(clearances < min(enough, FAR_CLEARANCE))
+        exact = np.empty(close.size)
+        footprint_clearances(self._distances, 1.0 / self.resolution, (vertices, radius),
+                             in_map[close], enough, exact)
+        clearances[close] = exact
+        return clearances
 
     def robot_is_free(self, robot: RoundRobot, poses: ArrayLike, margin: float) -> bool:
         """
@@ -258,29 +265,18 @@ def _first(collides: BoolArray) -> int | None:
     return int(np.argmax(collides)) if np.any(collides) else None
 
 
-def _placed(points: FloatArray, poses: FloatArray) -> FloatArray:
-    """Points (k, 2) of the object frame at each of n poses, shape (n * k, 2)."""
-    c, s = np.cos(poses[:, 2, None]), np.sin(poses[:, 2, None])
-    x, y = points.T
-    return np.stack((poses[:, 0, None] + c * x - s * y,
-                     poses[:, 1, None] + s * x + c * y), axis=-1).reshape(-1, 2)
-
-
-# As many outlines as a process pushes, at the resolution of its map.
+# As many outlines as a process pushes.
 @functools.lru_cache(maxsize=16)
-def _covering_points(outline: Outline, spacing: float) -> tuple[FloatArray, float, FloatArray]:
-    """
-    Cover an outline with points: close together on its rim, and on a grid inside.
+def _core(outline: Outline) -> FloatArray:
+    vertices = np.array(outline or ((0.0, 0.0),), dtype=float)
+    vertices.setflags(write=False)
+    return vertices
 
-    :param outline: vertices, counter-clockwise [m].
-    :param spacing: of the grid, the side of a cell [m].
-    :return: (points, shape (k, 2); radius and centre, shape (2,), of a circle round the outline).
+
+def footprint(obj: PushedObject) -> tuple[FloatArray, float]:
     """
-    corners = np.array(outline)
-    rim = points_on_outline(outline, spacing / RIM_POINTS_PER_CELL)
-    low, high = corners.min(axis=0), corners.max(axis=0)
-    grid = np.stack(np.meshgrid(*(np.arange(a, b, spacing) for a, b in zip(low, high))), axis=-1)
-    grid = grid.reshape(-1, 2)
-    points = np.concatenate([rim, grid[inflate(outline, 0.0, 0.0).distances(grid) < 0.0]])
-    center = 0.5 * (low + high)
-    return points, float(np.linalg.norm(corners - center, axis=1).max()), center
+    Return the vertices of the object and the radius by which they are inflated.
+
+    :return: vertices, counter-clockwise, shape (n, 2) [m], one of a disc; radius, 0 of a polygon.
+    """
+    return _core(obj.outline), 0.0 if obj.outline else obj.radius

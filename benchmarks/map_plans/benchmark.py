@@ -2,7 +2,8 @@
 Benchmark of plans in maps: first plan of each task, whether there is one, and how long it takes.
 
 Parts: ``passages``, success over the width of a passage; ``flats``; ``growth``, the time over the
-cells of the map and over the pushes. With ``--drive`` passages are driven to the end, too.
+cells of the map and over the pushes; ``nooks``, tasks from and to walls, corners and niches. With
+``--drive`` passages and nooks are driven to the end, too.
 """
 
 import argparse
@@ -12,7 +13,7 @@ import time
 from typing import Any, NamedTuple, Sequence
 
 from benchmarks.controller.tables import wilson
-from benchmarks.map_plans.instances import building, flat, Instance, passage
+from benchmarks.map_plans.instances import building, flat, Instance, Nook, nook, passage
 import numpy as np
 from push_model.plan_request import PlanRequest
 from push_navigation.settings import DriveSettings
@@ -23,9 +24,10 @@ from push_scenario.simulation.loop import simulate
 from push_scenario.simulation.result import Outcome
 from tqdm import tqdm
 
-PASSAGES, FLATS, GROWTH = PARTS = ('passages', 'flats', 'growth')
+PASSAGES, FLATS, GROWTH, NOOKS = PARTS = ('passages', 'flats', 'growth', 'nooks')
 RATIOS = (3.0, 2.5, 2.0, 1.75, 1.5, 1.4, 1.3, 1.2, 1.1)
 OBJECTS = ('box_04', 'carton', 'coffee_table')
+NOOK_OBJECTS = (*OBJECTS, 'bin')
 DRIVES = ('differential', 'holonomic')
 # Sides of the maps [cells], rooms that are passed through in those, and the side with which the
 # number of rooms is varied.
@@ -110,6 +112,19 @@ def flats(count: int) -> list[Row]:
     return rows
 
 
+def nooks(count: int, drives: bool) -> list[Row]:
+    """Measure tasks from and to walls, corners and niches."""
+    rows: list[Row] = []
+    with tqdm(total=len(Nook) * len(NOOK_OBJECTS), desc=NOOKS) as bar:
+        for name in NOOK_OBJECTS:
+            measure('', [nook(Nook.TO_WALL, name, DRIVES[0], count)])
+            for kind in Nook:
+                rows.append(measure(f'{name}: {kind.value}', [
+                    nook(kind, name, DRIVES[0], seed) for seed in range(count)], drives=drives))
+                bar.update()
+    return rows
+
+
 def growth(count: int) -> list[Row]:
     """Measure the time over cells and over pushes; the first answer in a map apart."""
     cases = [(side, ROOMS_OF_SIDES) for side in SIDES]
@@ -177,7 +192,7 @@ def main() -> int:
     parser.add_argument('--ratio', type=float, action='append', dest='ratios',
                         help='only passages of this width over that of the object; may be given '
                         'several times')
-    parser.add_argument('--drive', action='store_true', help='drive the passages, too')
+    parser.add_argument('--drive', action='store_true', help='drive passages and nooks, too')
     parser.add_argument('--out', type=Path, default=Path('out/map_plans'))
     chosen = parser.parse_args()
     if chosen.count < 1:
@@ -185,7 +200,8 @@ def main() -> int:
     chosen.out.mkdir(parents=True, exist_ok=True)
     for part in chosen.parts or PARTS:
         rows = {PASSAGES: lambda: passages(chosen.count, chosen.ratios or RATIOS, chosen.drive),
-                FLATS: lambda: flats(chosen.count), GROWTH: lambda: growth(chosen.count)}[part]()
+                FLATS: lambda: flats(chosen.count), GROWTH: lambda: growth(chosen.count),
+                NOOKS: lambda: nooks(chosen.count, chosen.drive)}[part]()
         written = table(rows)
         print(written)
         (chosen.out / f'{part}.md').write_text(written, encoding='utf-8')

@@ -32,7 +32,8 @@ MAX_SPINS = 2
 MAX_UNSEEN_PUSHES = 3
 # Failures that another map may end, and the time for which one is waited for [s]; chosen: somebody
 # steps aside, or takes away what stands at the goal.
-MAP_FAILURES = PlanFailure.NOT_FREE, PlanFailure.BLOCKED
+MAP_FAILURES = (PlanFailure.NOT_FREE, PlanFailure.BLOCKED, PlanFailure.UNCERTAIN_POSITION,
+                PlanFailure.NO_FACE, PlanFailure.SEARCH_LIMIT)
 MAP_TIME_LIMIT = 20.0
 # Pushes to waypoints as planned that may bring the object no nearer to its goal, over the attempts
 # that may; chosen: a detour through three rooms takes some thirty pushes.

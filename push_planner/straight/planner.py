@@ -17,7 +17,7 @@ from push_model.trajectory import PushStyle, PushTrajectory
 from push_navigation.approach.approach_path import plan_approach
 from push_navigation.map_clearance import PositionUncertainty
 from push_navigation.occupancy_map import OccupancyMap
-from push_navigation.path import NoPathFound, Path
+from push_navigation.path import NoPathFound, Path, PathFailure
 from push_navigation.settings import DriveSettings
 from push_navigation.speed_profile import travel_time
 from push_planner.problem import check_object_stands, check_robot_is_round, PlanningFailed
@@ -34,6 +34,10 @@ WARM_UP_DISTANCE = 3.0
 # Deviation of the robot's position that is taken after pushes that brought the object no nearer to
 # its goal, at least [m]: what it believes has failed; that of the table for unsure robots.
 FAILED_DEVIATION = 0.02
+
+
+# Paths that a robot would have which knows its position.
+UNCERTAIN_PATHS = PathFailure.GOAL_TOO_UNCERTAIN, PathFailure.ROBOT_TOO_UNCERTAIN
 
 
 class StraightPlan(NamedTuple):
@@ -180,7 +184,8 @@ class ApproachPaths:
     """
     Paths to the starts of primitives.
 
-    ``reason``: why the last one that could not be planned has no path.
+    ``reason``: why the last one that could not be planned has no path, and ``is_too_uncertain``:
+    whether one had none only as the robot does not know its position.
 
     :param request: ``PlanRequest``.
     :param robot: the ``RoundRobot``.
@@ -199,6 +204,7 @@ class ApproachPaths:
         self._speed = touch_speed(1.0, settings)
         self._paths: dict[Pose, Path] = {}
         self.reason = ''
+        self.is_too_uncertain = False
 
     def to(self, start: Pose) -> Path:
         """
@@ -222,6 +228,7 @@ class ApproachPaths:
                                  end_speed=self._speed)
         except NoPathFound as failure:
             self.reason = str(failure)
+            self.is_too_uncertain |= failure.report.code in UNCERTAIN_PATHS
             return float('inf')
         self._paths[start] = path
         return travel_time(path, self._robot, self._drive, end_speed=self._speed)

@@ -73,7 +73,7 @@ def test_the_first_collision_is_found():
     for number, size in ((occupancy_map.first_robot_collision(ROBOT, poses, 0.05), 0.17),
                          (occupancy_map.first_object_collision(box(), poses, 0.05), 0.2),
                          (occupancy_map.first_object_collision(bin_(), poses, 0.05), 0.2)):
-        assert -0.05 - size - 0.05 - 0.7 * RESOLUTION < poses[number][0] < -0.08 - size
+        assert -0.05 - size - 0.05 - 0.7 * RESOLUTION < poses[number][0] < -0.079 - size
     assert occupancy_map.first_robot_collision(ROBOT, poses[:20], 0.05) is None
     assert occupancy_map.first_object_collision(box(), poses[:20], 0.05) is None
 

@@ -14,12 +14,14 @@ from push_planner.straight.map_search.object_distance import UNREACHED
 from push_planner.straight.map_search.priority_queue import push, remove_first
 from push_planner.straight.map_search.problem import (
     CLOSED, COST, EXPANDED, FACE, FINAL, LENGTH, Memory, NEAREST, NODES, PARENT, Problem, PUSH,
-    Query, QUEUED, ROBOT_X, ROBOT_Y, THETA, X, Y,
+    Query, QUEUED, ROBOT_X, ROBOT_Y, THETA, WORK, X, Y,
 )
 from push_planner.straight.map_search.successors import expand
 
 # How a search ends, where it finds nothing: all nodes are expanded, or as many as allowed.
 EXHAUSTED, LIMIT = -1, -2
+# Work of an expansion besides the robot's paths [grid points].
+EXPANSION_WORK = 1000
 
 
 @compiled
@@ -67,7 +69,8 @@ def search(problem: Problem, memory: Memory) -> int:
             nearest = remaining
             counters[NEAREST] = index
         free_nodes = memory.nodes.shape[0] - counters[NODES]
-        if (counters[EXPANDED] >= query.max_expansions
+        counters[WORK] += EXPANSION_WORK
+        if (counters[EXPANDED] >= query.max_expansions or counters[WORK] >= query.max_work
                 or free_nodes < 4 * problem.pushes.starts.shape[0]):
             return LIMIT
         expand(problem, memory, index)

@@ -17,14 +17,18 @@ from push_model.geometry import distance, FloatArray, Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.trajectory import PushStyle
+from push_navigation.map_clearance import CERTAIN
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.path_planner import CLEARANCE_STEPS
 from push_navigation.settings import DriveSettings
 from push_planner.problem import PlanningFailed
 from push_planner.settings import PlannerSettings
 from push_planner.straight.map_search.object_distance import (
-    distance_grid, DistanceGrid, length_at, narrowest_passage, UNREACHED)
+    distance_grid, DistanceGrid, length_at, UNREACHED)
 from push_planner.straight.map_search.pushes import make_pushes, Pushes
+from push_planner.straight.map_search.refusal_memory import Question, RefusalMemory
+from push_planner.straight.map_search.refusals import (
+    first_failure, MapPoses, Refusals, SHUT_IN_DISTANCE)
 from push_planner.straight.map_search.remaining_pushes import (
     expected_end, is_as_expected, pushes_after_first, RemainingPushes)
 from push_planner.straight.map_search.scene import Floor, make_scene
@@ -53,12 +57,14 @@ LAST_EXPANSIONS, WIDE_EXPANSIONS = 4000, 300
 MIN_FRACTION = CLEARANCE_STEPS[-1][0]
 # Part of the tolerances within which a last push ends, as planned.
 GOAL_FRACTION = 0.7
-# Expansions of all searches after which no other is begun, as refusals should not take long.
-TOTAL_EXPANSIONS = 8000
+# Work of all searches of a request, as of ``Query``; measured at 0.13 to 0.16 us each, so that a
+# refusal takes two seconds at most.
+MAX_WORK = 12_000_000
 # First pushes whose paths are planned, until one is found, and where the robot goes round through
 # other rooms, which takes ten times as long to search.
 MAX_FIRST_PUSHES, MAX_WIDE_PUSHES = 12, 3
-# Overlap of object and obstacles that is taken for an error of measurement [m]; chosen.
+# Overlap of object and obstacles that is taken for an error of its pose [m], besides half a cell,
+# by which the map may be wrong; chosen.
 MAX_OVERLAP = 0.02
 # Points on the line to the goal at which the floor is looked at.
 LINE_SAMPLES = 40
@@ -66,8 +72,10 @@ LINE_SAMPLES = 40
 SAME_POSITION = 1e-6
 # Cells of the map of a plan that only warms up [m].
 WARM_UP_RESOLUTION = 0.05
-# A search that has not left this distance has found the object shut in [m].
-SHUT_IN_DISTANCE = 1.0
+
+
+# A task asks the same again while it waits for another map.
+REFUSALS = RefusalMemory()
 
 
 class MapPlan(NamedTuple):
@@ -95,8 +103,16 @@ def plan_push_in_map(request: PlanRequest, robot: RoundRobot, settings: PlannerS
         last one has ended as planned, and it is still free.
     :raises PlanningFailed: with the reason.
     """
-    return _MapPlanner(checked_request(request, robot), robot, settings, drive,
-                       occupancy_map).plan(remaining)
+    question = Question(request, robot, settings, drive, occupancy_map)
+    refusal = REFUSALS.recall(question)
+    if refusal is not None:
+        raise refusal
+    try:
+        return _MapPlanner(checked_request(request, robot), robot, settings, drive,
+                           occupancy_map).plan(remaining)
+    except PlanningFailed as failure:
+        REFUSALS.add(question, failure)
+        raise
 
 
 def warm_up(obj: PushedObject, robot: RoundRobot, drive: DriveSettings) -> None:
@@ -115,25 +131,12 @@ def warm_up(obj: PushedObject, robot: RoundRobot, drive: DriveSettings) -> None:
                          robot, PlannerSettings(), drive, room)
 
 
-class _MapPoses(NamedTuple):
-    """
-    Poses in the frame of the map.
-
-    :param start: ``Pose`` of the object.
-    :param robot: ``Pose`` of the robot.
-    :param goal: ``Pose`` that the object is to have.
-    """
-
-    start: Pose
-    robot: Pose
-    goal: Pose
-
-
 class _Known(NamedTuple):
     """
     Pushes and paths for one request.
 
-    :param poses: ``_MapPoses``.
+    :param poses: ``MapPoses``.
+    :param refusals: ``Refusals``.
     :param primitives: ``PushPrimitives``.
     :param weights: of the samples of friction, shape (K,).
     :param pushes: ``Pushes``.
@@ -141,7 +144,8 @@ class _Known(NamedTuple):
     :param search: ``MapSearch``.
     """
 
-    poses: _MapPoses
+    poses: MapPoses
+    refusals: Refusals
     primitives: PushPrimitives
     weights: FloatArray
     pushes: Pushes
@@ -159,8 +163,12 @@ class _MapPlanner:
         self._settings = settings
         self._drive = drive
         self._map = occupancy_map
-        for name, pose in (('object stands', request.object_pose), ('goal is', request.goal)):
-            if occupancy_map.object_clearance(request.obj, [pose]) < -MAX_OVERLAP:
+        # No push makes a new overlap, but one within the tolerance of the goal.
+        measured = MAX_OVERLAP + 0.5 * occupancy_map.resolution
+        for name, pose, overlap in (
+                ('object stands', request.object_pose, measured),
+                ('goal is', request.goal, min(MAX_OVERLAP, request.position_tolerance))):
+            if occupancy_map.object_clearance(request.obj, [pose]) < -overlap:
                 raise PlanningFailed(
                     PlanFailure.NOT_FREE, f'the {name} at {pose.x:.2f} m, {pose.y:.2f} m, where '
                     'the map has an obstacle or ends')
@@ -201,12 +209,13 @@ class _MapPlanner:
         """
         request, scene = self._request, self._scene
         to_map = self._map.origin.inverse()
-        poses = _MapPoses(to_map @ request.object_pose, to_map @ request.robot_pose,
-                          to_map @ request.goal)
+        poses = MapPoses(to_map @ request.object_pose, to_map @ request.robot_pose,
+                         to_map @ request.goal)
         needed = scene.inner_radius + MIN_FRACTION * OBJECT_FRACTION * self._drive.map_clearance
         grid = _distance_grid(self._map, (poses.goal.x, poses.goal.y), needed)
+        refusals = Refusals(self._map, scene, poses)
         if length_at(grid, poses.start.x, poses.start.y) >= UNREACHED:
-            raise self._too_narrow(poses.start, poses.goal, 2.0 * needed)
+            raise refusals.too_narrow(2.0 * needed)
         primitives = primitives_for(request, self._robot, self._drive)
         weights = sample_weights(primitives.table.friction_samples, friction_belief(request))
         pushes = make_pushes(primitives, request.obj, self._robot.radius, weights,
@@ -214,7 +223,7 @@ class _MapPlanner:
         search = MapSearch(scene, pushes, grid, primitives.cost_to_go,
                            self._search_settings(primitives))
         paths = ApproachPaths(request, self._robot, self._settings, self._drive, self._map)
-        return _Known(poses, primitives, weights, pushes, paths, search)
+        return _Known(poses, refusals, primitives, weights, pushes, paths, search)
 
     def _find_pushes(self, known: _Known) -> MapPlan:
         """
@@ -223,13 +232,14 @@ class _MapPlanner:
         :raises PlanningFailed: where there is none whose first push the robot can reach.
         """
         failures: list[SearchResult] = []
-        expansions = 0
+        expansions, work = 0, 0
         is_exhausted = False
         for margins in self._margins():
-            if expansions >= TOTAL_EXPANSIONS or (margins.is_wide and not is_exhausted):
+            if work >= MAX_WORK or (margins.is_wide and not is_exhausted):
                 break
-            for result in _alternatives(known, margins):
+            for result in _alternatives(known, margins._replace(max_work=MAX_WORK - work)):
                 expansions += result.expansions
+                work += result.work
                 is_exhausted = result.end is SearchEnd.EXHAUSTED
                 if result.end is not SearchEnd.FOUND:
                     failures.append(result)
@@ -239,9 +249,9 @@ class _MapPlanner:
                 time = known.paths.travel_time(Pose(*start.tolist()))
                 if math.isfinite(time):
                     return self._lay_out(result, time, known, expansions)
-                if expansions >= TOTAL_EXPANSIONS:
+                if work >= MAX_WORK:
                     break
-        raise self._search_failure(failures[0] if failures else None)
+        raise self._refuse(known, failures)
 
     def _lay_out(self, result: SearchResult, travel_time: float, known: _Known,
                  expansions: int) -> MapPlan:
@@ -320,35 +330,28 @@ class _MapPlanner:
             self._open_radius, contact_time, greatest_speed(self._robot, self._settings),
             costs.robot_speed)
 
-    def _too_narrow(self, start: Pose, goal: Pose, needed: float) -> PlanningFailed:
-        """Name the narrowest passage on the widest path."""
-        passage = narrowest_passage(self._scene.floor, (start.x, start.y), (goal.x, goal.y))
-        (x, y), = self._map.from_map([(passage.x, passage.y)]).tolist()
-        return PlanningFailed(
-            PlanFailure.BLOCKED, f'the floor is too narrow for the object at {x:.2f} m, {y:.2f} m:'
-            f' {passage.width:.2f} m wide, at least {needed:.2f} m needed',
-            {'narrow_place': (x, y), 'width': passage.width, 'needed_width': needed})
-
-    def _search_failure(self, result: SearchResult | None) -> PlanningFailed:
-        """Say how far the search came."""
-        if result is None or result.farthest == 0.0:
-            return PlanningFailed(
-                PlanFailure.BLOCKED, 'the robot gets to no place from where it could push the '
-                'object on: obstacles are in its way, or its place is too uncertain')
-        report = {'expansions': result.expansions}
-        here = self._request.object_pose
+    def _refuse(self, known: _Known, results: list[SearchResult]) -> PlanningFailed:
+        """Find out why no chain was found whose first push the robot reaches."""
+        result = first_failure(results)
+        if result is None or known.paths.is_too_uncertain:
+            if self._needs_certainty(known):
+                _, sigmas = CLEARANCE_STEPS[-1]
+                return known.refusals.too_uncertain(
+                    known.pushes, position_uncertainty(self._request), sigmas)
+        if result is None:
+            return known.refusals.no_face(known.pushes, MIN_FRACTION * self._drive.map_clearance)
         if result.end is SearchEnd.EXHAUSTED and result.farthest < SHUT_IN_DISTANCE:
-            return PlanningFailed(
-                PlanFailure.BLOCKED, f'the object at {here.x:.2f} m, {here.y:.2f} m cannot be '
-                f'pushed away: it moves by {result.farthest:.2f} m at most before the robot has '
-                'no room for another push', report)
-        nearest = result.pushes[-1].end if result.pushes else self._map.origin.inverse() @ here
-        x, y, _ = self._map.origin @ nearest
-        width = 2.0 * float(self._map.clearance([(x, y)])[0])
-        return PlanningFailed(
-            PlanFailure.BLOCKED, 'no chain of pushes to the goal was found: the object gets as '
-            f'far as {x:.2f} m, {y:.2f} m, where the floor is {width:.2f} m wide ('
-            f'{result.end.value}, {result.expansions} expansions)', report)
+            return known.refusals.shut_in(result)
+        return known.refusals.incomplete(result)
+
+    def _needs_certainty(self, known: _Known) -> bool:
+        """Tell whether the robot would get to a first push if it knew its position."""
+        if known.paths.is_too_uncertain:
+            return True
+        *_, last = self._margins()
+        blocked = np.zeros(len(known.pushes.primitives), dtype=np.bool_)
+        certain = last._replace(uncertainty=CERTAIN, max_expansions=2)
+        return known.search.run(*known.poses, certain, blocked).farthest > 0.0
 
 
 def _alternatives(known: _Known, margins: Margins) -> Iterator[SearchResult]:

@@ -25,8 +25,8 @@ LINK_SIZE = 5
 CELL, CELL_NODE = range(2)
 SLOT_SIZE = 2
 # Counters of a search.
-NODES, QUEUED, EXPANDED, REACHABLE_FILLED, NEAREST = range(5)
-COUNTER_SIZE = 5
+NODES, QUEUED, EXPANDED, REACHABLE_FILLED, NEAREST, WORK = range(6)
+COUNTER_SIZE = 6
 # Of a node: length of a push from it that ends at the goal [m], the miss of that over the
 # tolerances, and the clearance of the object [m].
 LENGTH_TO_GOAL, MISS, GAP = range(3)
@@ -84,6 +84,7 @@ class Query(NamedTuple):
     :param goal_margin: clearance of the goal, to which a push may keep there [m].
     :param closing_time: that the cost-to-go of open floor has in excess at ``CLOSE_DISTANCE`` [s].
     :param max_expansions: number of nodes that are expanded at most.
+    :param max_work: that they take at most [grid points of the robot's paths].
     :param half: half the side of the window in which the robot comes from one contact to another
         [spacings of its grid].
     :param first_half: likewise to the first contact.
@@ -99,6 +100,7 @@ class Query(NamedTuple):
     goal_margin: float
     closing_time: float
     max_expansions: int
+    max_work: int
     half: int
     first_half: int
 

@@ -64,7 +64,7 @@ class RobotMargins(NamedTuple):
 
 @compiled
 def fill_reachable_set(scene: Any, margins: Any, pose: Any, position: Any, half: int,
-                       reachable: Any) -> None:
+                       reachable: Any) -> int:
     """
     Write the lengths of the robot's paths from a position.
 
@@ -74,6 +74,7 @@ def fill_reachable_set(scene: Any, margins: Any, pose: Any, position: Any, half:
     :param position: (x, y) of the robot there.
     :param half: half the side of the window [spacings].
     :param reachable: ``ReachableSet``, is written.
+    :return: number of grid points that were looked at.
     """
     side = 2 * half + 1
     lengths, queue = reachable.lengths, reachable.queue
@@ -83,7 +84,7 @@ def fill_reachable_set(scene: Any, margins: Any, pose: Any, position: Any, half:
     row = int(math.floor((position[1] - pose[1]) / SPACING + 0.5)) + half
     column = int(math.floor((position[0] - pose[0]) / SPACING + 0.5)) + half
     if row < 0 or column < 0 or row >= side or column >= side:
-        return
+        return 0
     lengths[row, column] = 0.0
     queue[0] = row * side + column
     reachable.moments[row, column, 0] = reachable.moments[row, column, 1] = 0.0
@@ -103,6 +104,7 @@ def fill_reachable_set(scene: Any, margins: Any, pose: Any, position: Any, half:
                     lengths[a, b] = length
                     queue[last % size] = a * side + b
                     last += 1
+    return last
 
 
 @compiled

@@ -8,14 +8,11 @@ from numpy.typing import NDArray
 from push_dynamics.compiled import compiled
 from push_model.geometry import FloatArray
 from push_model.parameters import PushedObject
-from push_navigation.obstacle import points_on_outline
-from push_navigation.occupancy_map import OccupancyMap
+from push_navigation.footprint_clearance import footprint_clearance
+from push_navigation.occupancy_map import footprint, OccupancyMap
 
-# Distance between the points of an outline that are compared with obstacles [m]; chosen: a corner
-# that pokes between two of them is then seen from a margin of 1.5 cm.
-OUTLINE_SPACING = 0.03
-# Points of a round outline; chosen: none is used but for its clearance, which is that of the disc.
-NO_POINTS = np.zeros((0, 2))
+# Vertices of a round outline.
+NO_VERTICES = np.zeros((0, 2))
 
 
 class Floor(NamedTuple):
@@ -35,7 +32,7 @@ class Scene(NamedTuple):
     Floor, object and robot.
 
     :param floor: ``Floor``.
-    :param points: on the outline of the object, in its frame, shape (n, 2) [m]; none of a disc.
+    :param core: vertices of the outline, of a disc its middle, shape (n, 2) [m].
     :param vertices: of the outline, counter-clockwise, shape (m, 2) [m]; none of a disc.
     :param inner_radius: of the greatest disc about the object frame that the object contains [m].
     :param outer_radius: of the least one that contains it [m].
@@ -43,7 +40,7 @@ class Scene(NamedTuple):
     """
 
     floor: Floor
-    points: FloatArray
+    core: FloatArray
     vertices: FloatArray
     inner_radius: float
     outer_radius: float
@@ -57,14 +54,15 @@ def make_scene(occupancy_map: OccupancyMap, obj: PushedObject, robot_radius: flo
     :param robot_radius: [m].
     """
     floor = Floor(occupancy_map.distances, 1.0 / occupancy_map.resolution)
+    core, _ = footprint(obj)
     if not obj.outline:
-        return Scene(floor, NO_POINTS, NO_POINTS, obj.radius, obj.radius, robot_radius)
+        return Scene(floor, core, NO_VERTICES, obj.radius, obj.radius, robot_radius)
     vertices = np.array(obj.outline, dtype=float)
     following = np.roll(vertices, -1, axis=0)
     edges = following - vertices
     lengths = np.hypot(*edges.T)
     depths = (vertices[:, 0] * following[:, 1] - vertices[:, 1] * following[:, 0]) / lengths
-    return Scene(floor, points_on_outline(obj.outline, OUTLINE_SPACING), vertices,
+    return Scene(floor, core, vertices,
                  max(0.0, float(depths.min())), float(np.hypot(*vertices.T).max()), robot_radius)
 
 
@@ -102,18 +100,11 @@ def object_clearance(scene: Any, x: float, y: float, theta: float, enough: float
     :return: distance [m], negative where it overlaps an obstacle.
     """
     middle = clearance(scene.floor, x, y)
-    if middle - scene.outer_radius >= enough or scene.points.shape[0] == 0:
+    if middle - scene.outer_radius >= enough:
         return middle - scene.outer_radius
-    least = middle - scene.inner_radius
-    if least < 0.0:
-        return least
-    c, s = math.cos(theta), math.sin(theta)
-    for k in range(scene.points.shape[0]):
-        u, v = scene.points[k, 0], scene.points[k, 1]
-        least = min(least, clearance(scene.floor, x + c * u - s * v, y + s * u + c * v))
-        if least < 0.0:
-            break
-    return least
+    radius = scene.outer_radius if scene.vertices.shape[0] == 0 else 0.0
+    return footprint_clearance(scene.floor.distances, scene.floor.cells_per_metre,
+                               (scene.core, radius), (x, y, theta), enough)
 
 
 @compiled

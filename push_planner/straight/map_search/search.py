@@ -13,12 +13,14 @@ from push_planner.straight.map_search.kernel import EXHAUSTED, LIMIT, search
 from push_planner.straight.map_search.object_distance import DistanceGrid, UNREACHED
 from push_planner.straight.map_search.problem import (
     CLOSED, COST, COUNTER_SIZE, EXPANDED, FACE, FINAL_SIZE, Guide, Lattice, LENGTH, LINK_SIZE,
-    Memory, NEAREST, NODE_SIZE, NODES, PARENT, Problem, PUSH, Query, SearchSettings, SLOT_SIZE)
+    Memory, NEAREST, NODE_SIZE, NODES, PARENT, Problem, PUSH, Query, SearchSettings, SLOT_SIZE,
+    WORK,
+)
 from push_planner.straight.map_search.pushes import FIRST, Pushes
 from push_planner.straight.map_search.reachable_set import (
     HALF_WINDOW, ReachableSet, RobotMargins, SPACING, WIDE_WINDOW)
 from push_planner.straight.map_search.scene import object_clearance, Scene
-from push_planner.straight.map_search.successors import ENOUGH, LOST_GAP, MIN_GAP, START_RANGE
+from push_planner.straight.map_search.successors import ENOUGH, least_gap, START_RANGE
 from push_primitives.cost_to_go import CostToGo
 
 # Nodes of a search, chosen: some ten for each expanded node; and slots of its hash table, a power
@@ -62,6 +64,7 @@ class Margins(NamedTuple):
     :param uncertainty: ``PositionUncertainty`` of the robot on its way to the first push.
     :param sigmas: standard deviations of its position by which it keeps clear of obstacles there.
     :param max_expansions: of the search.
+    :param max_work: of the search, as of ``Query``.
     :param is_wide: whether the robot may go round through other rooms.
     :param lattice: ``Lattice`` in which it searches.
     """
@@ -73,6 +76,7 @@ class Margins(NamedTuple):
     uncertainty: PositionUncertainty = CERTAIN
     sigmas: float = 1.0
     max_expansions: int = 2000
+    max_work: int = 1 << 40
     is_wide: bool = False
     lattice: Lattice = COARSE
 
@@ -105,6 +109,7 @@ class SearchResult(NamedTuple):
     :param cost: expected time of the pushes and of what remains after them [s].
     :param least_cost: that no chain of the lattice goes below [s].
     :param expansions: number of nodes that were expanded.
+    :param work: that they took [grid points of the robot's paths].
     :param farthest: largest distance of the object from its start among all nodes [m].
     :param nodes: (x, y, theta) of all nodes and index of the node before each, or -1, shape
         (n, 4).
@@ -115,6 +120,7 @@ class SearchResult(NamedTuple):
     cost: float
     least_cost: float
     expansions: int
+    work: int
     farthest: float
     nodes: NDArray[np.float64]
 
@@ -175,12 +181,12 @@ class MapSearch:
             Query(start, robot, goal, self._settings, margins.lattice,
                   object_margin=margins.object, std_factor=margins.std_factor,
                   goal_margin=self._clearance(goal), closing_time=self._closing_time,
-                  max_expansions=margins.max_expansions, half=half, first_half=first_half))
+                  max_expansions=margins.max_expansions, max_work=margins.max_work, half=half,
+                  first_half=first_half))
         return problem, memory
 
     def _clearance(self, pose: Pose) -> float:
-        gap = float(object_clearance(self._scene, *pose, ENOUGH))
-        return max(MIN_GAP, gap - LOST_GAP)
+        return float(least_gap(object_clearance(self._scene, *pose, ENOUGH)))
 
     def _result(self, problem: Problem, memory: Memory, end: int) -> SearchResult:
         ends = {EXHAUSTED: SearchEnd.EXHAUSTED, LIMIT: SearchEnd.LIMIT}
@@ -202,7 +208,7 @@ class MapSearch:
         return SearchResult(
             ends.get(end, SearchEnd.FOUND), tuple(pushes[::-1]), cost,
             min(cost, self._least_cost(nodes[links[:, CLOSED] == 0])),
-            int(memory.counters[EXPANDED]),
+            int(memory.counters[EXPANDED]), int(memory.counters[WORK]),
             float(np.hypot(*away.T).max()),
             np.column_stack([nodes[:, :3], links[:, PARENT].astype(float)]))
 
@@ -215,13 +221,15 @@ class MapSearch:
         if not len(nodes):
             return math.inf
         settings, grid = self._settings, self._guide.grid
+        rows, columns = grid.lengths.shape
+        row, column = ((nodes[:, axis] / grid.spacing).astype(int) for axis in (1, 0))
+        lengths = np.full(len(nodes), UNREACHED)
         # Beside obstacles the nearest grid points may be off the path.
-        padded = np.pad(grid.lengths, 2, constant_values=UNREACHED)
-        near = np.min([padded[i:i - 3 or None, j:j - 3 or None]
-                       for i in range(4) for j in range(4)], axis=0)
-        row, column = (np.clip((nodes[:, axis] / grid.spacing).astype(int) + 1, 0, size - 1)
-                       for axis, size in ((1, near.shape[0]), (0, near.shape[1])))
-        lengths = np.maximum(0.0, near[row, column] / GRID_LENGTHENING)
+        for i in range(-1, 3):
+            for j in range(-1, 3):
+                nearby = np.clip(row + i, 0, rows - 1), np.clip(column + j, 0, columns - 1)
+                lengths = np.minimum(lengths, grid.lengths[nearby])
+        lengths = np.maximum(0.0, lengths / GRID_LENGTHENING)
         return float((nodes[:, COST] + settings.contact_time
                       + lengths / settings.pushing_speed).min())
 

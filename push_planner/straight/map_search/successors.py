@@ -15,7 +15,7 @@ from push_planner.straight.map_search.object_distance import UNREACHED
 from push_planner.straight.map_search.priority_queue import push
 from push_planner.straight.map_search.problem import (
     CELL, CELL_NODE, CLOSED, COST, FACE, FINAL, GAP, LENGTH, LENGTH_TO_GOAL, MISS, NODES, PARENT,
-    PUSH, QUEUED, REACHABLE_FILLED, ROBOT_X, ROBOT_Y, THETA, X, Y,
+    PUSH, QUEUED, REACHABLE_FILLED, ROBOT_X, ROBOT_Y, THETA, WORK, X, Y,
 )
 from push_planner.straight.map_search.pushes import FIRST, LATER
 from push_planner.straight.map_search.reachable_set import (
@@ -44,9 +44,9 @@ RETREAT = 0.06
 # on which it may keep that of the start [m]; chosen: it can slide along a wall for so long.
 MARGIN_SLOPE = 0.3
 SLIDING_LENGTH = 0.3
-# Clearance that is no longer looked at [m], the least that start and goal are taken to have, and
-# what a push may lose where there is little [m]; chosen.
-ENOUGH, MIN_GAP, LOST_GAP = 0.3, -0.02, 0.003
+# Clearance that is no longer looked at [m]; what a push may lose where there is little, and by how
+# much it may overlap more than it does [m]; chosen: along a wall a box turns by some degrees.
+ENOUGH, LOST_GAP, NEW_OVERLAP = 0.3, 0.018, 0.003
 # First length of which the sweep is looked at: shorter ones move the object by less than a margin.
 FIRST_SWEEP = 0.04
 
@@ -70,8 +70,8 @@ def expand(problem: Any, memory: Any, parent: int) -> None:
     away = max(abs(query.start.x - node[X]), abs(query.start.y - node[Y]))
     is_dense = away < query.lattice.dense_range
     if away < START_RANGE:
-        memory.final[GAP] = max(MIN_GAP, object_clearance(
-            problem.scene, node[X], node[Y], node[THETA], ENOUGH) - LOST_GAP)
+        memory.final[GAP] = least_gap(object_clearance(
+            problem.scene, node[X], node[Y], node[THETA], ENOUGH))
     for option in range(pushes.starts.shape[0]):
         last = pushes.last[stage, option]
         if last <= 0:
@@ -84,6 +84,16 @@ def expand(problem: Any, memory: Any, parent: int) -> None:
         travel = _travel(problem, memory, parent, option)
         if travel < UNREACHED:
             _add_pushes(problem, memory, parent, option, travel, is_dense)
+
+
+@compiled
+def least_gap(gap: float) -> float:
+    """
+    Compute to what clearance a push may come at a start or goal [m].
+
+    :param gap: clearance of the object there [m].
+    """
+    return max(gap - LOST_GAP, min(gap, 0.0) - NEW_OVERLAP)
 
 
 @compiled
@@ -148,8 +158,8 @@ def _travel(problem: Any, memory: Any, parent: int, option: int) -> float:
         return UNREACHED
     half = query.first_half if parent == 0 else query.half
     if counters[REACHABLE_FILLED] == 0:
-        fill_reachable_set(scene, margins, node, (node[ROBOT_X], node[ROBOT_Y]), half,
-                           memory.reachable)
+        counters[WORK] += fill_reachable_set(
+            scene, margins, node, (node[ROBOT_X], node[ROBOT_Y]), half, memory.reachable)
         counters[REACHABLE_FILLED] = 1
     return path_length(memory.reachable, node, half, x, y)
 

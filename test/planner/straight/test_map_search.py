@@ -20,6 +20,7 @@ from push_planner.straight.map_search.planner import MIN_FRACTION, plan_push_in_
 from push_planner.straight.map_search.priority_queue import push, remove_first
 from push_planner.straight.map_search.reachable_set import (
     fill_reachable_set, HALF_WINDOW, path_length, ReachableSet, RobotMargins, SPACING, UNREACHED)
+from push_planner.straight.map_search.refusal_memory import Question, RefusalMemory
 from push_planner.straight.map_search.scene import (
     distance_to_object, Floor, make_scene, object_clearance)
 from push_planner.straight.planner import plan_straight_push
@@ -41,12 +42,11 @@ def plan(occupancy_map, goal, robot=ROBOT, here=HERE, start=START):
                             occupancy_map)
 
 
-def in_words(occupancy_map, goal, here=HERE, start=START):
-    """Return the sentence with which a plan is refused, with its report."""
+def refusal(occupancy_map, goal, here=HERE, start=START):
+    """Return the ``PlanningFailed`` with which a plan is refused."""
     with pytest.raises(PlanningFailed) as failure:
         plan(occupancy_map, goal, here=here, start=start)
-    assert failure.value.code is PlanFailure.BLOCKED
-    return failure.value.reason, failure.value.report
+    return failure.value
 
 
 @pytest.mark.parametrize('robot', [ROBOT, HOLONOMIC], ids=['differential', 'holonomic'])
@@ -129,8 +129,9 @@ def test_goals_beside_a_wall_are_reached(goal):
 
 def test_a_floor_that_is_too_narrow_is_named():
     """The place, the width there, and what is needed."""
-    reason, report = in_words(walled_floor(6.0, 4.0, 0.3), Pose(1.5, 0.0, 0.0))
-    assert 'too narrow for the object' in reason
+    refused = refusal(walled_floor(6.0, 4.0, 0.3), Pose(1.5, 0.0, 0.0))
+    report = refused.report
+    assert refused.code is PlanFailure.BLOCKED
     assert math.hypot(*report['narrow_place']) < 0.15
     assert report['width'] < 0.35 and report['needed_width'] == pytest.approx(0.42, abs=0.01)
 
@@ -138,8 +139,40 @@ def test_a_floor_that_is_too_narrow_is_named():
 def test_an_object_that_is_shut_in_is_named():
     """In a corner no face leads away from both walls."""
     here = Pose(-2.72, -2.72, 0.0)
-    reason, report = in_words(walled_room(), Pose(1.0, 1.0, 0.0), here=here)
-    assert 'cannot be pushed away' in reason and report['expansions'] < 100
+    refused = refusal(walled_room(), Pose(1.0, 1.0, 0.0), here=here)
+    assert refused.code is PlanFailure.NO_FACE and refused.report['expansions'] < 100
+
+
+def test_where_the_robot_has_no_room_at_a_face_all_faces_are_counted():
+    """A box in a niche that it fills: of its four faces one is left, which leads deeper."""
+    floor = walled_room((-3.0, -0.25, -3.0, -2.0), (0.25, 3.0, -3.0, -2.0))
+    refused = refusal(floor, Pose(1.0, 1.0, 0.0), here=Pose(0.0, -2.79, 0.0),
+                      start=Pose(0.0, 0.0, 0.0))
+    assert refused.code is PlanFailure.NO_FACE
+    assert refused.report['faces'] == 4 and refused.report['faces_with_room'] == 1
+
+
+def test_a_question_that_has_not_changed_is_answered_from_memory():
+    """The same answer without a search; another map, pose or goal is another question."""
+    memory, answer = RefusalMemory(), PlanningFailed(PlanFailure.BLOCKED, 'a wall', {'width': 0.3})
+    floor = walled_room()
+    question = Question(PlanRequest(HERE, START, HERE, BOX, odometry_drift=0.1), ROBOT, SETTINGS,
+                        DRIVE, floor)
+    memory.add(question, answer)
+
+    def recalled(occupancy_map=floor, **changes):
+        return memory.recall(question._replace(
+            request=question.request._replace(**changes), occupancy_map=occupancy_map))
+    beside = HERE @ Pose(0.001, 0.0, 0.001)
+    for same in (recalled(), recalled(walled_room()), recalled(object_pose=beside),
+                 recalled(obj=dataclasses.replace(BOX, contact_friction_coefficient=0.3))):
+        assert (same.code, same.reason, same.report) == (
+            answer.code, answer.reason, answer.report)
+    away = HERE @ Pose(0.01, 0.0, 0.0)
+    for other in (recalled(walled_room((0.0, 0.1, 0.0, 0.1))), recalled(object_pose=away),
+                  recalled(robot_pose=away), recalled(goal=away), recalled(odometry_drift=0.05),
+                  recalled(position_tolerance=0.05)):
+        assert other is None
 
 
 def test_where_object_or_goal_do_not_fit_there_is_no_plan():
@@ -159,8 +192,12 @@ def test_the_robot_comes_from_another_room():
     assert found.first.approach_path.length > 7.0
     request = PlanRequest(here, start, Pose(0.0, 1.5, 0.0), BOX, odometry_slope=0.1,
                           odometry_drift=0.1)
-    with pytest.raises(PlanningFailed, match='gets to no place .* too uncertain'):
+    with pytest.raises(PlanningFailed) as failure:
         plan_push_in_map(request, ROBOT, SETTINGS, DRIVE, occupancy_map)
+    assert failure.value.code is PlanFailure.UNCERTAIN_POSITION
+    report = failure.value.report
+    assert report['position_deviation'] > 0.05 and report['narrow_place'][0] < -1.5
+    assert report['needed_width'] > report['width'] > 2.0 * ROBOT.radius
 
 
 def test_a_plan_does_not_depend_on_the_frame():

@@ -1,0 +1,141 @@
+"""Refusals of tasks in maps: a code for each cause, with the places and numbers behind it."""
+
+from collections.abc import Sequence
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from push_model.geometry import BoolArray, Pose
+from push_model.plan_request import PlanFailure
+from push_navigation.map_clearance import PositionUncertainty, WINDING
+from push_navigation.occupancy_map import OccupancyMap
+from push_planner.problem import PlanningFailed
+from push_planner.straight.map_search.dead_ends import STANDOFF
+from push_planner.straight.map_search.object_distance import narrowest_passage
+from push_planner.straight.map_search.pushes import Pushes
+from push_planner.straight.map_search.scene import Scene
+from push_planner.straight.map_search.search import SearchEnd, SearchResult
+
+# A search that has not left this distance has found the object shut in [m].
+SHUT_IN_DISTANCE = 1.0
+END_CODES = {SearchEnd.EXHAUSTED: PlanFailure.BLOCKED, SearchEnd.LIMIT: PlanFailure.SEARCH_LIMIT}
+
+
+class MapPoses(NamedTuple):
+    """
+    Poses in the frame of the map.
+
+    :param start: ``Pose`` of the object.
+    :param robot: ``Pose`` of the robot.
+    :param goal: ``Pose`` that the object is to have.
+    """
+
+    start: Pose
+    robot: Pose
+    goal: Pose
+
+
+class Refusals(NamedTuple):
+    """
+    Makes the refusals of one request.
+
+    :param occupancy_map: the ``OccupancyMap``.
+    :param scene: the ``Scene``.
+    :param poses: ``MapPoses``.
+    """
+
+    occupancy_map: OccupancyMap
+    scene: Scene
+    poses: MapPoses
+
+    def too_narrow(self, needed: float) -> PlanningFailed:
+        """
+        Name the narrowest passage on the widest path of the object.
+
+        :param needed: width [m].
+        """
+        start, _, goal = self.poses
+        passage = narrowest_passage(self.scene.floor, start[:2], goal[:2])
+        x, y = self._in_world(passage.x, passage.y)
+        return PlanningFailed(
+            PlanFailure.BLOCKED, f'the floor is too narrow for the object at {x:.2f} m, {y:.2f} m:'
+            f' {passage.width:.2f} m wide, at least {needed:.2f} m needed',
+            {'narrow_place': (x, y), 'width': passage.width, 'needed_width': needed})
+
+    def too_uncertain(self, pushes: Pushes, uncertainty: PositionUncertainty,
+                      sigmas: float) -> PlanningFailed:
+        """
+        Name the narrowest passage on the robot's way, and how uncertain its position is there.
+
+        :param pushes: ``Pushes``, of which the start with the most room counts.
+        :param uncertainty: ``PositionUncertainty`` of the robot.
+        :param sigmas: standard deviations that it keeps clear.
+        """
+        starts = _placed(self.poses.start, pushes.starts[:, :2])
+        widest = int(np.argmax(self.occupancy_map.clearance_in_map_frame(*starts.T)))
+        robot = self.poses.robot
+        passage = narrowest_passage(self.scene.floor, robot[:2], tuple(starts[widest].tolist()))
+        away = math.hypot(passage.x - robot.x, passage.y - robot.y)
+        deviation, = uncertainty.deviations(
+            np.array([WINDING * away]), np.array([away])).tolist()
+        needed = 2.0 * (self.scene.robot_radius + sigmas * deviation)
+        x, y = self._in_world(passage.x, passage.y)
+        return PlanningFailed(
+            PlanFailure.UNCERTAIN_POSITION, 'the robot does not know its position well enough on '
+            f'its way to the object: at {x:.2f} m, {y:.2f} m, where {passage.width:.2f} m are '
+            f'free, its standard deviation is {deviation:.2f} m, so that it needs {needed:.2f} m',
+            {'narrow_place': (x, y), 'width': passage.width, 'needed_width': needed,
+             'position_deviation': deviation})
+
+    def no_face(self, pushes: Pushes, clearance: float) -> PlanningFailed:
+        """
+        Count the faces that the robot can stand at.
+
+        :param pushes: ``Pushes``.
+        :param clearance: that it keeps from obstacles at least [m].
+        """
+        places = pushes.middles - STANDOFF * pushes.normals
+        room = self.occupancy_map.clearance_in_map_frame(
+            *_placed(self.poses.start, places).T) - self.scene.robot_radius
+        has_room: BoolArray = room >= clearance
+        x, y = self._in_world(*self.poses.start[:2])
+        return PlanningFailed(
+            PlanFailure.NO_FACE, f'the object at {x:.2f} m, {y:.2f} m cannot be pushed away: the '
+            f'robot has room at {int(has_room.sum())} of {len(room)} faces, and reaches none from '
+            'where a push meets no obstacle', self._faces(has_room))
+
+    def shut_in(self, result: SearchResult) -> PlanningFailed:
+        """Say how far the object can be moved before the robot has no room for another push."""
+        x, y = self._in_world(*self.poses.start[:2])
+        return PlanningFailed(
+            PlanFailure.NO_FACE, f'the object at {x:.2f} m, {y:.2f} m cannot be pushed away: it '
+            f'moves by {result.farthest:.2f} m at most before the robot has no room for another '
+            'push', {'expansions': result.expansions, 'farthest': result.farthest})
+
+    def incomplete(self, result: SearchResult) -> PlanningFailed:
+        """Say how near to its goal the object gets, and whether all was searched."""
+        nearest = result.pushes[-1].end if result.pushes else self.poses.start
+        x, y = self._in_world(*nearest[:2])
+        width = 2.0 * float(self.occupancy_map.clearance([(x, y)])[0])
+        return PlanningFailed(
+            END_CODES[result.end], 'no chain of pushes to the goal was found: the object gets as '
+            f'far as {x:.2f} m, {y:.2f} m, where the floor is {width:.2f} m wide ('
+            f'{result.end.value}, {result.expansions} expansions)',
+            {'expansions': result.expansions, 'narrow_place': (x, y), 'width': width})
+
+    def _faces(self, has_room: BoolArray) -> dict[str, Any]:
+        return {'faces': len(has_room), 'faces_with_room': int(has_room.sum())}
+
+    def _in_world(self, x: float, y: float) -> tuple[float, float]:
+        (world_x, world_y), = self.occupancy_map.from_map([(x, y)]).tolist()
+        return world_x, world_y
+
+
+def _placed(pose: Pose, points: Any) -> Any:
+    """Transform points of the object frame, shape (n, 2)."""
+    return np.array([pose.transform(point) for point in np.asarray(points).tolist()])
+
+
+def first_failure(results: Sequence[SearchResult]) -> SearchResult | None:
+    """Return the search that says most: the first in which the object has moved at all."""
+    return next((result for result in results if result.farthest > 0.0), None)
