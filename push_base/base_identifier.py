@@ -37,8 +37,7 @@ from push_base.gain_search import PERIOD as GAIN_PERIOD
 from push_base.gain_search import WINDOW as GAIN_WINDOW
 from push_base.speed_gain import delivered, gain_matrix
 from push_base.velocity_history import VelocityHistory
-from push_dynamics import actuation
-from push_dynamics.compiled import interpreted
+from push_dynamics.actuation import track_commands
 from push_model.base_knowledge import BaseKnowledge, PULSE
 from push_model.geometry import FloatArray
 from push_model.parabola import vertex_offset
@@ -113,8 +112,6 @@ GAIN_DELAY = 2.0
 MAX_GAP = 0.5
 # Rounding of times [s].
 TIME_ROUNDING = 1e-6
-# Single calls are not worth compiling them.
-track_command = interpreted(actuation.track_command)
 
 
 class _Window(NamedTuple):
@@ -172,8 +169,9 @@ class BaseIdentifier:
         :param robot: the ``RoundRobot``, nominal.
         """
         self._robot = robot
-        self._drives = [(robot.time_constant, ratio * robot.max_acceleration,
-                         ratio * robot.max_yaw_acceleration) for ratio in ACCELERATION_RATIOS]
+        self._drives: FloatArray = np.array([
+            (robot.time_constant, ratio * robot.max_acceleration,
+             ratio * robot.max_yaw_acceleration) for ratio in ACCELERATION_RATIOS])
         half = 0.5 * robot.wheel_track
         # From a twist to what counts: speeds of wheels, or translation and rotation.
         self._is_differential = robot.drive == 'differential'
@@ -201,7 +199,8 @@ class BaseIdentifier:
     def forget(self) -> None:
         """Forget what was sent and measured, as where others command the base."""
         self._command = STOP
-        self._velocities = [STOP for _ in ACCELERATION_RATIOS]
+        # Of the models, shape (m, 3) [m/s, m/s, rad/s].
+        self._velocities: FloatArray = np.zeros((len(ACCELERATION_RATIOS), 3))
         self._start: float | None = None
         # Commands and responses of the models on the grid, and measurements.
         length = round((HISTORY + MAX_SHIFT) / STEP)
@@ -277,13 +276,12 @@ class BaseIdentifier:
         if abs(time - self._start - self._count * STEP) > MAX_GAP + STEP:
             self.forget()
             return
+        commands = np.tile(self._command, (len(self._drives), 1))
         while self._start + (self._count + 1) * STEP <= time + TIME_ROUNDING:
             self._commands.append(self._command)
-            for index, drive in enumerate(self._drives):
-                velocity = Twist(*track_command(*self._velocities[index], self._command, drive,
-                                                STEP)[:3])
-                self._velocities[index] = velocity
-                self._responses[index].append(velocity)
+            track_commands(self._velocities, commands, self._drives, STEP)
+            for velocity, history in zip(self._velocities, self._responses):
+                history.append(velocity)
             self._count += 1
 
     def _looked_up(self, history: VelocityHistory, times: FloatArray) -> FloatArray:
@@ -394,8 +392,8 @@ class BaseIdentifier:
         first, second = gains
         self.knowledge = known._replace(first_gain=first, second_gain=second)
         matrix = gain_matrix(self._robot, first / known.first_gain, second / known.second_gain)
-        self._command = _times(matrix, self._command)
-        self._velocities = [_times(matrix, velocity) for velocity in self._velocities]
+        self._command = Twist(*(matrix @ self._command).tolist())
+        self._velocities = self._velocities @ matrix.T
         for history in (self._commands, *self._responses):
             history.transform(matrix)
         self._gains_due = time + GAIN_WINDOW
@@ -466,7 +464,7 @@ class BaseIdentifier:
 
         :param top: height of pulses that moved nothing [m/s or rad/s].
         """
-        known, acceleration = self.knowledge, self._drives[0][1 + axis]
+        known, acceleration = self.knowledge, self._drives[0, 1 + axis]
         if known.pulse < MAX_PULSE and MARGINS[0] * known[1 + axis] > acceleration * known.pulse:
             self.knowledge = self.knowledge._replace(
                 pulse=min(MAX_PULSE, LONGER * known.pulse))
@@ -489,9 +487,3 @@ class BaseIdentifier:
 def _row(model: int) -> int:
     """Return the index in ``ACCELERATION_RATIOS`` of a model of ``AccelerationSearch``."""
     return 0 if model == AS_STATED else STATED_COUNT + model - 1
-
-
-def _times(matrix: FloatArray, twist: Twist) -> Twist:
-    """Apply a matrix to a twist."""
-    v_x, v_y, omega = (matrix @ twist).tolist()
-    return Twist(v_x, v_y, omega)

@@ -2,7 +2,7 @@
 Finding out that the speeds of a base are another part of what is commanded.
 
 From the velocity measured at the start of a window on, a base with the gains g follows the
-commands c of the window by its nominal lag and accelerations, v' = (M(g) c - v) / T. The errors of
+commands c of the window as ``push_dynamics.actuation`` says, v' = (M(g) c - v) / T. The errors of
 such models, that differ in the gains of both wheels or axes or of one of them,
 
     e(g) = min_d mean |v - v_g,d|^2
@@ -20,6 +20,7 @@ from typing import NamedTuple
 
 import numpy as np
 from push_base.speed_gain import gain_matrix
+from push_dynamics.actuation import track_commands
 from push_model.geometry import FloatArray
 from push_model.parabola import vertex_offset
 from push_model.parameters import RoundRobot
@@ -42,8 +43,6 @@ MIN_SPEED = 0.06
 MAX_UNEXPLAINED = 0.02
 MAX_ERROR_RATIO = 0.2
 MIN_IMPROVEMENT = 0.008
-# Lag [s] and difference of velocities [m/s, rad/s] in place of none; chosen: as good as none.
-MIN_LAG, MIN_MISSING = 1e-4, 1e-9
 # Windows in a row that have to agree, and ratio of the gains up to which they do; chosen.
 ENOUGH_RESULTS = 4
 AGREEMENT = 1.1
@@ -88,6 +87,8 @@ class GainSearch:
         """
         self._robot = robot
         self._channels = channels
+        self._drive: FloatArray = np.array([
+            (robot.time_constant, robot.max_acceleration, robot.max_yaw_acceleration)])
         ratios: FloatArray = STEP ** np.arange(-STEPS, STEPS + 1, dtype=np.float64)
         ones = np.ones(len(ratios))
         # Both gains alike, the first one alone, the second one alone.
@@ -110,12 +111,15 @@ class GainSearch:
         is_fast = self._are_fast(window.commands)
         if not any(is_fast):
             return None
-        if self._error_as_believed(window) <= MIN_IMPROVEMENT ** 2:
+        middle = len(SHIFTS) // 2
+        as_believed = window._replace(commands=window.commands[middle:middle + 1])
+        # Most windows fit the dead time and the gains that are believed.
+        if self._present_error(as_believed) <= MIN_IMPROVEMENT ** 2:
             self._results.clear()
             return None
         measured = window.measured @ self._channels.T
         mean_square = float((measured ** 2).sum(axis=1).mean())
-        present = float(self._errors(window, np.eye(3)[None])[0])
+        present = self._present_error(window)
         if present <= MIN_IMPROVEMENT ** 2:
             self._results.clear()
             return None
@@ -142,43 +146,23 @@ class GainSearch:
         first, second = (speeds.min(axis=(0, 1)) >= MIN_SPEED).tolist()
         return first, second
 
-    def _error_as_believed(self, window: GainWindow) -> float:
-        """Compute e of the present gains and dead time alone, which most windows fit."""
-        robot = self._robot
-        v_x, v_y, omega = window.measured[0].tolist()
-        velocities = []
-        for (x, y, yaw_rate), duration in zip(
-                window.commands[len(SHIFTS) // 2].tolist(), np.diff(window.times).tolist()):
-            x, y, yaw_rate = x - v_x, y - v_y, yaw_rate - omega
-            decay = -math.expm1(-duration / max(robot.time_constant, MIN_LAG))
-            part = min(decay, robot.max_acceleration * duration
-                       / max(math.hypot(x, y), MIN_MISSING))
-            yaw_part = min(decay, robot.max_yaw_acceleration * duration
-                           / max(abs(yaw_rate), MIN_MISSING))
-            v_x, v_y, omega = v_x + part * x, v_y + part * y, omega + yaw_part * yaw_rate
-            velocities.append((v_x, v_y, omega))
-        differences = (np.array(velocities) - window.measured[1:]) @ self._channels.T
-        return float((differences ** 2).sum(axis=1).mean())
+    def _present_error(self, window: GainWindow) -> float:
+        """Compute e of the gains that are believed."""
+        return float(self._errors(window, np.eye(3)[None])[0])
 
     def _errors(self, window: GainWindow, matrices: FloatArray) -> FloatArray:
         """Compute e of some models, by their matrices of shape (m, 3, 3)."""
-        robot = self._robot
-        # By shift, sample and model.
-        commands = np.einsum('mij,snj->snmi', matrices, window.commands)
-        velocities = np.tile(window.measured[0], (len(SHIFTS), len(matrices), 1))
-        errors = np.zeros(velocities.shape[:2])
-        for k, duration in enumerate(np.diff(window.times)):
-            missing = commands[:, k] - velocities
-            decay = -math.expm1(-duration / max(robot.time_constant, MIN_LAG))
-            sizes = np.maximum(np.hypot(missing[..., 0], missing[..., 1]), MIN_MISSING)
-            missing[..., :2] *= np.minimum(decay, robot.max_acceleration * duration
-                                           / sizes)[..., None]
-            missing[..., 2] *= np.minimum(decay, robot.max_yaw_acceleration * duration
-                                          / np.maximum(np.abs(missing[..., 2]), MIN_MISSING))
-            velocities += missing
-            differences = (velocities - window.measured[k + 1]) @ self._channels.T
-            errors += (differences ** 2).sum(axis=-1)
-        return errors.min(axis=0) / (len(window.times) - 1)
+        # By sample, shift and model.
+        commands = np.einsum('mij,snj->nsmi', matrices, window.commands)
+        steps, *shape, _ = commands.shape
+        commands = commands.reshape(steps, -1, 3)
+        velocities = np.tile(window.measured[0], (commands.shape[1], 1))
+        missing = np.empty_like(commands)
+        for k, duration in enumerate(np.diff(window.times).tolist()):
+            track_commands(velocities, commands[k], self._drive, duration)
+            missing[k] = velocities - window.measured[k + 1]
+        errors = ((missing @ self._channels.T) ** 2).sum(axis=-1).mean(axis=0)
+        return errors.reshape(shape).min(axis=0)
 
     def _interpolated(self, errors: FloatArray, best: int) -> GainChange:
         """Find the gains of the least error between two models."""

@@ -38,6 +38,9 @@ MAX_CREEP_RATIO = 0.1
 # Mean distance of the wheels from which on an object that advances by less than that ratio of it
 # does not move [m]; chosen: beyond what a push is driven until the object is missed.
 WITHOUT_EFFECT_DISTANCE = 0.2
+# Mean distance of the wheels from which on a push that ends tells of an object that hardly moves
+# [m]; chosen: the ratio of it is four deviations of such a mean.
+HINDERED_DISTANCE = 0.04
 
 
 class SpinWatch:
@@ -123,6 +126,17 @@ class SpinWatch:
         """Tell whether the object has hardly moved along the push, however far the wheels have."""
         driven, advance = self._mean_row
         return driven >= WITHOUT_EFFECT_DISTANCE and abs(advance) < MAX_CREEP_RATIO * driven
+
+    def is_hindered(self, has_spun: bool) -> bool:
+        """
+        Tell whether a push that ends now has hardly moved the object along.
+
+        :param has_spun: whether the wheels have spun at the object before: then a part of what
+            they drive is as good as nothing.
+        """
+        driven, advance = self._mean_row
+        ratio = MAX_SPIN_RATIO if has_spun else MAX_CREEP_RATIO
+        return driven >= HINDERED_DISTANCE and abs(advance) < ratio * driven
 
     @property
     def _mean_row(self) -> tuple[float, float]:

@@ -25,11 +25,11 @@ class VelocityHistory:
         """Return the number of velocities that are there."""
         return self._count
 
-    def append(self, velocity: Twist) -> None:
+    def append(self, velocity: Twist | FloatArray) -> None:
         """
         Add the newest velocity; the oldest one goes where there are too many.
 
-        :param velocity: ``Twist`` [m/s, m/s, rad/s].
+        :param velocity: ``Twist``, or the same as an array, shape (3,) [m/s, m/s, rad/s].
         """
         if self._end == len(self._buffer):
             self._buffer[:self._count] = self._rows

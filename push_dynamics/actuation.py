@@ -118,6 +118,23 @@ def track_command(v_x: float, v_y: float, omega: float, command: Any, drive: Any
 
 
 @compiled
+def track_commands(velocities: Any, commands: Any, drives: Any, duration: float) -> None:
+    """
+    Let several robots, or models of one, each follow a constant command for a while.
+
+    :param velocities: own axes, shape (m, 3), is written [m/s, m/s, rad/s].
+    :param commands: within the limits, shape (m, 3).
+    :param drives: as of ``track_command``, shape (m, 3); or (1, 3) for all of them.
+    :param duration: how long [s].
+    """
+    for i in range(len(velocities)):
+        velocity = velocities[i]
+        tracked = track_command(velocity[0], velocity[1], velocity[2], commands[i],
+                                drives[min(i, len(drives) - 1)], duration)
+        velocity[0], velocity[1], velocity[2] = (tracked.end_x, tracked.end_y, tracked.end_omega)
+
+
+@compiled
 def chord_velocity(theta: float, v_x: float, v_y: float, omega: float,
                    duration: float) -> tuple[float, float]:
     """

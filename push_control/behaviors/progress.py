@@ -131,6 +131,8 @@ class ProgressMonitor:
         self._inspections = 0
         self._safety_stops = 0
         self._spins = 0
+        # Whether the wheels have spun at the last push.
+        self._has_just_spun = False
         self._unseen_pushes = 0
         self._least_error = math.inf
         self._least_time = math.inf
@@ -165,6 +167,7 @@ class ProgressMonitor:
         :param object_pose: ``Pose`` of the object after it.
         :param goal: goal ``Pose``; None where it was given up meanwhile.
         """
+        self._has_just_spun = False
         if goal is not None and self._relative_error(object_pose, goal) < (
                 self.settings.improvement_ratio * self._least_error):
             self._safety_stops = 0
@@ -188,6 +191,7 @@ class ProgressMonitor:
     def count_spin(self) -> bool:
         """Count a push at which the wheels spun; return whether it is one too many."""
         self._spins += 1
+        self._has_just_spun = True
         return self._spins >= MAX_SPINS
 
     @property
@@ -373,7 +377,8 @@ class ProgressMonitor:
             self._attempts = 0
             self._waypoints = 0
             self._safety_stops = self._safety_stops if is_first else 0
-            self._spins = self._spins if is_first else 0
+            # What the object went before the wheels spun tells nothing of the next push.
+            self._spins = self._spins if is_first or self._has_just_spun else 0
             self._last_failure = None
 
     @property

@@ -30,6 +30,9 @@ EXCESS_RATIO = 2.0
 MAX_UNSEEN_STD, MAX_UNSEEN_HEADING_STD = 0.06, 0.2
 # Time after which a push that does not end has failed, over its length [s]; chosen.
 TIMEOUT = 10.0
+# Displacement of an object that has not moved at most, over what the robot has driven in contact;
+# chosen: four standard deviations of a pose in 8 cm.
+MAX_REST_RATIO = 0.1
 # Cosine of the angle between the displacements of object and robot from which on the one may have
 # pushed the other, and the least displacements that are compared [m]; measured: 0.61 to 1 in tasks
 # with all objects, and -0.98 to 0.66 with poses that are mirrored.
@@ -98,6 +101,9 @@ class PushProgress:
     :param is_spinning: whether the object moves far less than the wheels turn.
     :param is_creeping: whether an object that was not seen to move has by millimetres.
     :param is_without_effect: whether it has hardly moved, whatever a pose has shown.
+    :param is_hindered: whether it has moved by far less than the wheels turned, if the push ends
+        now.
+    :param touch_deviation: standard deviation of the robot's position at the touch [m].
     :param is_near_obstacle: whether an obstacle of the map ends the push.
     :param is_blind: whether the object is not seen, as was to be expected.
     :param was_blind: whether that was so at any time since the touch.
@@ -128,6 +134,8 @@ class PushProgress:
     is_spinning: bool = False
     is_creeping: bool = False
     is_without_effect: bool = False
+    is_hindered: bool = False
+    touch_deviation: float = math.inf
     is_near_obstacle: bool = False
     is_blind: bool = False
     was_blind: bool = False
@@ -145,6 +153,11 @@ class PushProgress:
         """Tell whether it is not known well enough where an object that is not seen is by now."""
         return self.is_blind and (self.object_std > MAX_UNSEEN_STD
                                   or self.object_heading_std > MAX_UNSEEN_HEADING_STD)
+
+    @property
+    def is_at_rest(self) -> bool:
+        """Tell whether the object is where it was, whatever axes its poses have."""
+        return math.hypot(*self.moved) < MAX_REST_RATIO * self.pushed
 
     @property
     def contact(self) -> Touch:
@@ -177,12 +190,11 @@ def decide(progress: PushProgress) -> Steer | Stop | Miss:
         return Miss(BehaviorFailure.WHEELS_SPIN)
     seen_distance = progress.pushed - progress.unseen_distance
     is_still = progress.is_without_effect or not progress.has_moved
-    if is_still and seen_distance > miss_distance:
+    is_over = (progress.course.remaining <= progress.braking_distance and not progress.is_lost)
+    if is_still and seen_distance > miss_distance or is_over and progress.is_hindered:
         return Miss(BehaviorFailure.WHEELS_SPIN if progress.is_creeping
                     else BehaviorFailure.OBJECT_NOT_MOVED)
-    if progress.course.remaining <= progress.braking_distance and not progress.is_lost:
-        return Stop()
-    return progress.course
+    return Stop() if is_over else progress.course
 
 
 def _decide_blind(progress: PushProgress, miss_distance: float) -> Steer | Stop:

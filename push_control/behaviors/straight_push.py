@@ -110,11 +110,14 @@ class StraightPush(Behavior[TaskPerception]):
     """Drives to the contact and pushes."""
 
     def __init__(self, context: BehaviorContext, primitives: PushPrimitives,
-                 ensemble: ContactHypotheses, target: PushTrajectory, goal: Pose) -> None:
+                 ensemble: ContactHypotheses, target: PushTrajectory, goal: Pose, *,
+                 has_spun: bool = False) -> None:
         """
         Start; the robot may be moving already.
 
         :param goal: goal ``Pose`` of the object.
+        :param has_spun: whether the wheels have spun at the object before: the push then goes on
+            until it is seen to move, or is seen not to.
         """
         super().__init__()
         self._robot = context.robot
@@ -137,6 +140,7 @@ class StraightPush(Behavior[TaskPerception]):
         self._memory = ensemble.remember_robot()
         self._command = STOP
         self._spin_watch: SpinWatch | None = None
+        self._has_spun = has_spun
         self._guard = None if self._map is None else ObstacleGuard(
             self._map, context.obj, context.robot, target)
 
@@ -215,7 +219,8 @@ class StraightPush(Behavior[TaskPerception]):
                 is_spinning=watch.is_spinning,
                 is_creeping=(watch.is_creeping
                              and not perception.localization.has_pose_bias),
-                is_without_effect=watch.is_without_effect)
+                is_without_effect=watch.is_without_effect,
+                is_hindered=watch.is_hindered(self._has_spun))
         return progress
 
     def _with_motion(self, progress: PushProgress, perception: TaskPerception,
@@ -257,7 +262,7 @@ class StraightPush(Behavior[TaskPerception]):
             has_moved=has_moved, deviation=deviation,
             unseen_distance=progress.speed * max(0.0, perception.time - measured.time),
             is_lost=(not has_moved and not is_blind
-                     and (perception.is_lost or deviation > LOST_STD)),
+                     and (perception.is_lost or self._has_spun or deviation > LOST_STD)),
             has_touched_early=(
                 progress.stage is Stage.RUN_IN and moved_distance > UNEXPECTED_DISTANCE
                 and not (is_blind or perception.was_displaced)),
@@ -282,7 +287,8 @@ class StraightPush(Behavior[TaskPerception]):
             return dataclasses.replace(progress, overrun=overrun)
         if self._robot.drive != 'differential':
             self._direction = wrap_angle(line.theta - ensemble.pose.theta)
-        return dataclasses.replace(progress, stage=Stage.PUSHING)
+        return dataclasses.replace(progress, stage=Stage.PUSHING,
+                                   touch_deviation=progress.deviation)
 
     def _watch_wheels(self, progress: PushProgress, perception: TaskPerception) -> SpinWatch:
         """Compare what the wheels drive with how the object moves where it is touched."""
@@ -408,7 +414,9 @@ class StraightPush(Behavior[TaskPerception]):
             perception.on_unexpected_contact()
             perception.on_object_moved(self._progress.before.pose)
         else:
-            perception.on_push_without_effect()
+            progress = self._progress
+            perception.on_push_without_effect(
+                progress.touch_deviation if progress.is_at_rest else math.inf)
         return STOP
 
 

@@ -46,10 +46,10 @@ WITHOUT_EFFECT_STD = 0.05, 0.1
 # Least standard deviations (x, y, heading) of a robot whose slip is inferred [m, m, rad]; chosen:
 # few hypotheses remain then.
 MIN_SLIP_STD = 0.03, 0.03, 0.1
-# Standard deviation of the robot's position after a push without effect up to which the object is
-# one that does not yield [m]; chosen: that of a miss, and of a robot that is known so well that it
-# does not miss the object by as much as a push is driven on.
-KNOWN_STD = 0.06
+# Standard deviation of the robot's position at the touch up to which an object that a push has not
+# moved is one that does not yield [m]; chosen: a robot that is known so well does not miss it by
+# as much as a push is driven on.
+KNOWN_STD = 0.04
 # Time for which a displacement of the object explains that it is elsewhere [s]; chosen: a plan is
 # made meanwhile.
 DISPLACED_TIME = 2.0
@@ -226,6 +226,7 @@ class LostRobotMonitor:
     @observe.register
     def _on_push_without_effect(self, event: PushWithoutEffect) -> Verdict:
         self._add_contact(Touch.WITHOUT_EFFECT)
+        self._is_surely_without_effect = event.deviation <= KNOWN_STD
         if not self.is_lost:
             return None
         return (self._infer_slip(event.object_pose, is_touching=False)
@@ -263,10 +264,9 @@ class LostRobotMonitor:
                 or PlaceRobot(self._pose_behind(event.before, event.after), BEHIND_OBJECT_STD))
 
     def _add_contact(self, contact: Touch) -> None:
-        deviation = self._estimate.position_deviation
-        self._contacts.add(contact, deviation)
+        self._contacts.add(contact, self._estimate.position_deviation)
         self._is_undisturbed &= contact is Touch.WITHOUT_EFFECT
-        self._is_surely_without_effect = deviation <= KNOWN_STD
+        self._is_surely_without_effect = False
 
     def _infer_slip(self, object_pose: Pose, is_touching: bool) -> PlaceRobot | None:
         """Place the robot where slip of its wheels explains all events; None if it does not."""

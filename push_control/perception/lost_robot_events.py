@@ -87,9 +87,15 @@ class TapCompared:
 
 @dataclasses.dataclass(frozen=True)
 class PushWithoutEffect:
-    """A push has not moved the object, which is at ``object_pose``."""
+    """
+    A push has not moved the object, which is at ``object_pose``.
+
+    :param deviation: standard deviation of the robot's position when it should have touched it;
+        infinite where the object poses tell no more than that it has not moved along [m].
+    """
 
     object_pose: Pose
+    deviation: float
 
 
 @dataclasses.dataclass(frozen=True)

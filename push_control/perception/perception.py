@@ -463,10 +463,14 @@ class TaskPerception(RawPerception):
         if math.hypot(*tap.driven) > 0.0:
             self._observe(TapCompared(tap.motion(after)))
 
-    def on_push_without_effect(self) -> None:
-        """Note that a push has not moved the object: after some, the robot is elsewhere."""
+    def on_push_without_effect(self, deviation: float = math.inf) -> None:
+        """
+        Note that a push has not moved the object: after some, the robot is elsewhere.
+
+        :param deviation: standard deviation of the robot's position at the touch [m].
+        """
         self._tap = None
-        self._observe(PushWithoutEffect(self.object_pose.pose))
+        self._observe(PushWithoutEffect(self.object_pose.pose, deviation))
 
     def on_unexpected_contact(self) -> None:
         """Note that the robot has run into an object that should not be there."""

@@ -98,7 +98,7 @@ class RepeatedPushBehaviors(BehaviorFactory):
         if state is TaskState.ALIGN and target is not None:
             return GuardedApproach(context, target, perception.object_at_rest)
         if state is TaskState.PUSH and target is not None:
-            return self._push(context, target, goal, perception)
+            return self._push(context, target, goal, perception, has_spun=progress.has_spun)
         return Stand()
 
     def rehearse(self) -> None:
@@ -134,7 +134,7 @@ class RepeatedPushBehaviors(BehaviorFactory):
         return MovingApproach(context, target)
 
     def _push(self, context: BehaviorContext, target: PushTrajectory, goal: TaskGoal | None,
-              perception: TaskPerception) -> Behavior[TaskPerception]:
+              perception: TaskPerception, *, has_spun: bool) -> Behavior[TaskPerception]:
         if not target.style.is_straight or goal is None:
             control = self._with_present_uncertainty(target, perception)
             return SteeredPush(context._replace(control=control), target)
@@ -142,7 +142,8 @@ class RepeatedPushBehaviors(BehaviorFactory):
         if target.style is PushStyle.WAYPOINT:
             end = Pose(*target.object_poses[-1].tolist())
         primitives = self._prepared or self._load_primitives(perception)
-        return StraightPush(context, primitives, perception.localization, target, end)
+        return StraightPush(context, primitives, perception.localization, target, end,
+                            has_spun=has_spun)
 
     def _remaining_time(self, object_pose: Pose, goal: Pose) -> float | None:
         """

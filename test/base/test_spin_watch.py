@@ -18,6 +18,8 @@ def watched(object_pose, seconds=3.0, noise=0.002, latency=0.08, seed=0):
     """
     Return whether wheels spun, the object crept, or the push was without effect, at any time.
 
+    Behind them are whether it was hindered at the end, without and with spinning before.
+
     :param object_pose: function of what the wheels have driven [m], in a frame where the robot
         pushes along x at the origin.
     """
@@ -34,7 +36,7 @@ def watched(object_pose, seconds=3.0, noise=0.002, latency=0.08, seed=0):
                 (x - 0.2, y), 0.0, noise)
         spun, crept = spun or watch.is_spinning, crept or watch.is_creeping
         effectless = effectless or watch.is_without_effect
-    return spun, crept, effectless
+    return spun, crept, effectless, watch.is_hindered(False), watch.is_hindered(True)
 
 
 @pytest.mark.parametrize('seed', range(10))
@@ -55,7 +57,7 @@ def test_a_long_arc_is_no_spinning(seed):
         return Pose(radius * math.sin(s / radius), radius * (1.0 - math.cos(s / radius)),
                     0.5 * s / radius)
 
-    assert watched(along_arc, seed=seed) == (False, False, False)
+    assert not any(watched(along_arc, seed=seed))
 
 
 @pytest.mark.parametrize('seed', range(10))
@@ -64,7 +66,7 @@ def test_a_long_arc_is_no_spinning(seed):
                          ids=['another object', 'mirrored', 'other axes'])
 def test_a_fault_of_the_tracker_is_no_spinning(seed, pose):
     """The object does not move along the push at any time."""
-    spun, crept, _ = watched(pose, seed=seed)
+    spun, crept, *_ = watched(pose, seed=seed)
     assert not (spun or crept)
 
 
@@ -72,15 +74,30 @@ def test_a_fault_of_the_tracker_is_no_spinning(seed, pose):
 @pytest.mark.parametrize('ratio', [0.0, 0.02, 0.3, 0.6, 1.0])
 def test_a_push_without_effect_is_found_however_the_object_seemed_to_move(seed, ratio):
     """One pose that is 3 cm off is no motion of an object that does not yield."""
-    _, _, effectless = watched(
+    _, _, effectless, *_ = watched(
         lambda s: Pose(ratio * s + (0.03 if 0.2 < s < 0.21 else 0.0), 0.0, 0.0), seed=seed)
     assert effectless == (ratio < 0.1)
 
 
 @pytest.mark.parametrize('seed', range(10))
+@pytest.mark.parametrize('ratio, expected', [
+    (0.0, [True, True]), (0.2, [False, True]), (0.5, [False, False]), (1.0, [False, False])])
+def test_a_short_push_that_ends_tells_whether_it_was_hindered(seed, ratio, expected):
+    """Of wheels that have spun before, less motion of the object tells as much."""
+    *_, at_first, once_more = watched(lambda s: Pose(ratio * s, 0.0, 0.0), seconds=0.8, seed=seed)
+    assert [at_first, once_more] == expected
+
+
+def test_the_first_centimetres_tell_nothing():
+    """The object may not be touched yet."""
+    *_, at_first, once_more = watched(lambda s: Pose(0.0, 0.0, 0.0), seconds=0.3)
+    assert not (at_first or once_more)
+
+
+@pytest.mark.parametrize('seed', range(10))
 def test_an_object_that_creeps_by_millimetres_is_found(seed):
     """It never moves far enough to be seen in one pose."""
-    _, crept, _ = watched(lambda s: Pose(min(0.005, 0.05 * s), 0.0, 0.0), seed=seed)
+    _, crept, *_ = watched(lambda s: Pose(min(0.005, 0.05 * s), 0.0, 0.0), seed=seed)
     assert crept
 
 

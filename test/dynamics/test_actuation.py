@@ -3,7 +3,8 @@
 import math
 
 import numpy as np
-from push_dynamics.actuation import chord_velocity, decay, limit_command, track_command
+from push_dynamics.actuation import (
+    chord_velocity, decay, limit_command, track_command, track_commands)
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
 from push_model.signals import STOP, Twist
@@ -53,6 +54,18 @@ def driven(twist, command, durations, drive=(0.1, 1.0, 6.0)):
         *twist, m_x, m_y, m_omega = track_command(*twist, command, np.array(drive), duration)
         total += duration * np.array([m_x, m_y, m_omega])
     return np.array(twist), total
+
+
+@pytest.mark.parametrize('is_shared', [False, True])
+def test_several_robots_follow_as_each_of_them_alone(is_shared):
+    """Whether each has a drive of its own, or all have one."""
+    rng = np.random.default_rng(2)
+    velocities, commands = rng.uniform(-0.5, 0.5, (2, 6, 3))
+    drives = rng.uniform((0.02, 0.3, 2.0), (0.2, 1.0, 6.0), (1 if is_shared else 6, 3))
+    expected = [track_command(*velocity, command, drives[0 if is_shared else i], 0.05)[:3]
+                for i, (velocity, command) in enumerate(zip(velocities, commands))]
+    track_commands(velocities, commands, drives, 0.05)
+    np.testing.assert_allclose(velocities, expected, rtol=0.0, atol=1e-15)
 
 
 def test_pieces_of_time_add_up():

@@ -298,3 +298,17 @@ def test_long_waits_for_rest_add_up_until_the_next_push():
     used = monitor.rest_clock
     monitor.count_push(repeats_pose=False)
     assert monitor.rest_clock is not used
+
+
+@pytest.mark.parametrize('is_pushed_well', [False, True])
+def test_only_a_push_that_ends_well_forgives_wheels_that_have_spun(is_pushed_well):
+    """An object that came nearer before they spun may be too heavy all the same."""
+    monitor = ProgressMonitor(SUPERVISION, AIM)
+    monitor.check_goal(beside_goal(0.5), GOAL)
+    assert not monitor.count_spin()
+    if is_pushed_well:
+        end = beside_goal(0.3).pose
+        monitor.count_finished_push(straight_push(box(), Pose(-0.37, 0.0, 0.0), 0.1), end,
+                                    GOAL)
+    monitor.check_goal(beside_goal(0.3), GOAL)
+    assert monitor.count_spin() != is_pushed_well

@@ -49,6 +49,10 @@ def test_a_push_under_way_goes_on_as_chosen(progress):
     (PUSH, {'pushed': BEYOND, 'is_without_effect': True, 'is_creeping': True},
      Miss(BehaviorFailure.WHEELS_SPIN)),
     (PUSH, {'pushed': BEYOND - 2e-6, 'is_without_effect': True}, COURSE),
+    (PUSH, {'is_hindered': True}, COURSE),
+    (PUSH, {'course': AT_END, 'is_hindered': True}, Miss(BehaviorFailure.OBJECT_NOT_MOVED)),
+    (PUSH, {'course': AT_END, 'is_hindered': True, 'is_creeping': True},
+     Miss(BehaviorFailure.WHEELS_SPIN)),
     (RUN_IN, {'has_touched_early': True}, Miss(BehaviorFailure.TOUCHED_EARLY))])
 def test_what_ends_a_push(progress, values, expected):
     """A good progress with one value that is not."""
@@ -71,6 +75,13 @@ def test_an_object_moves_along_with_what_pushes_it(angle, contact):
     moved = 0.1 * math.cos(angle), 0.1 * math.sin(angle)
     assert dataclasses.replace(PUSH, driven=(0.1, 0.0), moved=moved).contact is contact
     assert dataclasses.replace(PUSH, driven=(0.02, 0.0), moved=moved).contact is Touch.TAPPED
+
+
+@pytest.mark.parametrize('moved, is_at_rest', [
+    ((0.0, 0.0), True), ((0.005, 0.0), True), ((0.1, 0.0), False), ((0.0, 0.1), False)])
+def test_an_object_that_moves_aside_is_not_at_rest(moved, is_at_rest):
+    """Poses in other axes show that something moves."""
+    assert dataclasses.replace(PUSH, moved=moved).is_at_rest == is_at_rest
 
 
 BLIND = {'is_blind': True, 'was_blind': True}

@@ -25,7 +25,7 @@ import pytest
 
 HOME = Pose(0.0, 0.0, 0.0)
 CERTAIN, UNCERTAIN = 0.01, 0.1
-EFFECTLESS = PushWithoutEffect(HOME)
+EFFECTLESS = PushWithoutEffect(HOME, CERTAIN)
 
 
 @dataclasses.dataclass
@@ -90,10 +90,10 @@ def test_an_object_that_moves_ends_the_count_of_pushes_without_effect(
 @pytest.mark.parametrize('deviation, is_known', [(KNOWN_STD - 1e-6, True), (UNCERTAIN, False)])
 def test_an_object_does_not_yield_where_a_well_known_robot_pushes_without_effect(
         deviation: float, is_known: bool) -> None:
-    """One that is not so well known may have missed it."""
-    lost = monitor(Estimate(position_deviation=deviation))
+    """One that was not so well known at the touch may have missed it."""
+    lost = monitor(Estimate(position_deviation=UNCERTAIN))
     assert not lost.is_object_unyielding
-    lost.observe(EFFECTLESS)
+    lost.observe(PushWithoutEffect(HOME, deviation))
     assert lost.is_object_unyielding == is_known
 
 
