@@ -68,6 +68,13 @@ class PoseCovariance(NamedTuple):
         return math.sqrt(self.theta_theta)
 
     @property
+    def deviation(self) -> 'PoseDeviation':
+        """The ``PoseDeviation``, with the longer axis of the ellipse of positions."""
+        mean, half_difference = 0.5 * (self.x_x + self.y_y), 0.5 * (self.x_x - self.y_y)
+        longest = mean + math.hypot(half_difference, self.x_y)
+        return PoseDeviation(math.sqrt(longest), self.heading_deviation)
+
+    @property
     def matrix(self) -> FloatArray:
         """The same as a symmetric matrix of (x, y, theta), shape (3, 3)."""
         x_x, x_y, x_theta, y_y, y_theta, theta_theta = self
@@ -79,7 +86,7 @@ class PoseDeviation(NamedTuple):
     """
     Standard deviations of a pose.
 
-    :param position: of x or y, the greater one [m].
+    :param position: in the direction in which it is greatest [m].
     :param heading: of the heading [rad].
     """
 

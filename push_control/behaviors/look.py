@@ -3,29 +3,30 @@ Look: back off and turn to where the object is in view, and search for one that 
 
 The robot stops as soon as poses of the object come. Until then it tries, in this order: to stand,
 where it should see the object already; to drive and turn to where it should; and to turn round,
-each time from another place, farther and farther from the first one.
+each time from another place, farther and farther from the first one. An object that it has never
+seen may be too near to be seen: the first of these places are just beside, and it drives to them
+as slowly as it touches an object.
 """
 
-import abc
 from collections.abc import Iterator
-import dataclasses
 import math
 
 from push_control.behaviors.behavior import Abort, Behavior, BehaviorContext, MeasurementNeed
 from push_control.behaviors.inspection import distance_at_gap
-from push_control.behaviors.path_execution import blocks, PathBehavior, PathExecution
+from push_control.behaviors.look_motions import (
+    CAUTIOUS_SPEED, Drive, LookMotion, TurnRound, TurnToObject, Wait)
+from push_control.behaviors.path_execution import PathBehavior
 from push_control.behaviors.retreat import retreat_path, SPACING
 from push_control.events import TaskEvent
 from push_control.goal import TaskFailure
 from push_control.perception.perception import TaskPerception
 from push_control.perception.view import bearing, GAP_MARGIN, View
-from push_model.geometry import distance, FloatArray, Pose, wrap_angle
+from push_model.geometry import distance, FloatArray, Pose
 from push_model.signals import STOP, Twist
 from push_navigation.map_clearance import map_clearance, MapContext
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.path import (
     differential_path, holonomic_path, NoPathFound, Path, sample_path, Waypoint)
-from push_navigation.path_follower import limit_command, turn_in_place
 from push_navigation.path_planner import plan_path
 
 # Distance by which a look is taken from farther off than the nearest one with poses, how much is
@@ -35,14 +36,14 @@ LOOK_MARGIN, ADDED_MARGIN, MAX_MARGIN = 0.05, 0.05, 0.3
 # Time after a look within which another one means that it has not lasted [s]; chosen: a plan is
 # made meanwhile, and no push.
 LASTING_TIME = 3.0
-# Time that the robot waits for poses where they should come, and longest time that it stands where
-# poses come, but of no object at rest [s]; chosen: latency and some periods of a camera.
-WAITING_TIME, GLIMPSE_TIME = 0.8, 1.0
-# Bearing of an object that the robot faces [rad]; chosen: well within any view.
-FACED = 0.05
-# Yaw rate of a search [rad/s], and its angle, beyond a full turn [rad]; chosen: a camera of 10 Hz
-# and 60 degrees has ten pictures of the object.
-SEARCH_RATE, SEARCH_ANGLE = 0.9, 2.0 * math.pi + 0.4
+# Longest time that the robot stands where poses come, but of no object at rest [s]; chosen: some
+# periods of a camera.
+GLIMPSE_TIME = 1.0
+# Directions from its heading in which a robot drives off an object that it has never seen [rad];
+# chosen: most likely it faces the object, as somebody has placed it or since its last push.
+DIRECTIONS_OFF = math.pi, 0.0, 0.5 * math.pi, -0.5 * math.pi
+# Distance below which a robot has come back to where it was [m].
+BACK_AT_START = 0.03
 # Rounds of a search, and the distance from its start that each of them adds [m]; chosen: what an
 # object is displaced by, and what hides it.
 ROUNDS, ROUND_DISTANCE = 4, 0.35
@@ -118,120 +119,6 @@ class LookMargin:
         self._seen_at = time
 
 
-class _Motion(abc.ABC):
-    """Motion by which the robot comes to see the object; ``is_over`` once it is done."""
-
-    is_over = False
-
-    @abc.abstractmethod
-    def step(self, perception: TaskPerception, dt: float) -> Twist:
-        """Compute the command."""
-
-    @abc.abstractmethod
-    def pause(self) -> None:
-        """Note that the robot stands for now."""
-
-    def is_blocked(self, previous: OccupancyMap | None, occupancy_map: OccupancyMap | None,
-                   pose: Pose) -> bool:
-        """Tell whether a new map has an obstacle in the way where the previous one has none."""
-        return False
-
-
-class _Wait(_Motion):
-    """Stands for a while."""
-
-    def __init__(self) -> None:
-        self._remaining_time = WAITING_TIME
-
-    def step(self, perception: TaskPerception, dt: float) -> Twist:
-        """Stand."""
-        self._remaining_time -= dt
-        self.is_over = self._remaining_time <= 0.0
-        return STOP
-
-    def pause(self) -> None:
-        """Do nothing: the robot stands."""
-
-
-class _Turn(_Motion):
-    """Turns in place until no angle remains."""
-
-    def __init__(self, context: BehaviorContext, max_rate: float = math.inf) -> None:
-        limits = context.drive.limited_to(context.robot)
-        self._limits = dataclasses.replace(limits, yaw_rate=min(max_rate, limits.yaw_rate))
-        self._command = STOP
-        # A base that does not turn is not waited for.
-        self._remaining_time = (context.supervision.stall_timeout
-                                + SEARCH_ANGLE / self._limits.yaw_rate)
-
-    @abc.abstractmethod
-    def remaining_angle(self, perception: TaskPerception) -> float:
-        """Return the angle that remains [rad]; 0 once there is none."""
-
-    def step(self, perception: TaskPerception, dt: float) -> Twist:
-        """Turn."""
-        remaining = self.remaining_angle(perception)
-        self._remaining_time -= dt
-        self.is_over = remaining == 0.0 or self._remaining_time < 0.0
-        requested = Twist(0.0, 0.0, turn_in_place(remaining, self._limits))
-        self._command = limit_command(self._command, requested, self._limits, dt)
-        return STOP if self.is_over else self._command
-
-    def pause(self) -> None:
-        """Turn on from rest."""
-        self._command = STOP
-
-
-class _TurnToObject(_Turn):
-    """Turns to where the object is expected."""
-
-    def remaining_angle(self, perception: TaskPerception) -> float:
-        """Return the bearing of the object; 0 once the robot faces it."""
-        angle = bearing(perception.robot_pose, perception.expected_object_pose)
-        return 0.0 if abs(angle) < FACED else angle
-
-
-class _TurnRound(_Turn):
-    """Turns round by more than a full turn."""
-
-    def __init__(self, context: BehaviorContext, direction: float) -> None:
-        super().__init__(context, SEARCH_RATE)
-        self._direction = direction
-        self._heading: float | None = None
-        self._turned = 0.0
-
-    def remaining_angle(self, perception: TaskPerception) -> float:
-        """Return what is left of the turn."""
-        heading = perception.robot_pose.theta
-        if self._heading is not None:
-            self._turned += self._direction * wrap_angle(heading - self._heading)
-        self._heading = heading
-        return self._direction * max(0.0, SEARCH_ANGLE - self._turned)
-
-
-class _Drive(_Motion):
-    """Drives along a path; a stall ends it."""
-
-    def __init__(self, context: BehaviorContext, path: Path) -> None:
-        self._execution = PathExecution(context.robot, context.drive, path,
-                                        context.supervision.stall_timeout)
-
-    def step(self, perception: TaskPerception, dt: float) -> Twist:
-        """Drive."""
-        command = self._execution.step(perception.robot_pose, dt, perception.predicted_pose)
-        self.is_over = self._execution.finished or self._execution.failure is not None
-        return command
-
-    def pause(self) -> None:
-        """End: the path begins elsewhere."""
-        self.is_over = True
-
-    def is_blocked(self, previous: OccupancyMap | None, occupancy_map: OccupancyMap | None,
-                   pose: Pose) -> bool:
-        """Tell whether a new map has an obstacle on the path where the previous one has none."""
-        return blocks(self._execution, previous, occupancy_map, pose)
-
-
 class Look(Behavior[TaskPerception]):
     """Brings the object into view, and ends once it is seen at rest."""
 
@@ -247,8 +134,8 @@ class Look(Behavior[TaskPerception]):
         self._context = context
         self._view = View.from_settings(context.supervision)
         self._margin = margin
-        self._motions: Iterator[_Motion] | None = None
-        self._motion: _Motion | None = None
+        self._motions: Iterator[LookMotion] | None = None
+        self._motion: LookMotion | None = None
         # Time for which poses have come, of an object at rest or not [s].
         self._glimpse_time = 0.0
 
@@ -283,32 +170,51 @@ class Look(Behavior[TaskPerception]):
             return STOP
         return self._motion.step(perception, dt)
 
-    def _plan_motions(self, perception: TaskPerception) -> Iterator[_Motion]:
+    def _plan_motions(self, perception: TaskPerception) -> Iterator[LookMotion]:
         """List what to do, each planned when it begins."""
         context = self._context
         if perception.localization.has_object:
             if perception.expects_pose:
-                yield _Wait()
+                yield Wait()
             path = self._path_into_view(perception)
             if path is not None:
-                yield _Drive(context, path)
+                yield Drive(context, path)
             if self._view.half_angle < math.pi:
-                yield _TurnToObject(context)
-            yield _Wait()
+                yield TurnToObject(context)
+            yield Wait()
         start = perception.robot_pose
         yield self._look_round(0)
+        if not perception.localization.has_object and self._view.nearest > 0.0:
+            yield from self._look_from_beside(perception, start)
         for index in range(1, ROUNDS + 1):
             path = self._search_path(perception, start, index)
             if path is not None:
-                yield _Drive(context, path)
+                yield Drive(context, path)
                 yield self._look_round(index)
 
-    def _look_round(self, index: int) -> _Motion:
+    def _look_from_beside(self, perception: TaskPerception,
+                          start: Pose) -> Iterator[LookMotion]:
+        """
+        Look round from where an object is in view that is too near at the start.
+
+        :param start: ``Pose`` of the robot at its start.
+        """
+        length = self._view.nearest + LOOK_MARGIN
+        for index, direction in enumerate(DIRECTIONS_OFF, 1):
+            position = start.transform((length * math.cos(direction),
+                                        length * math.sin(direction)))
+            # Where it has driven before, there is no object.
+            path = self._path_by(start, perception.robot_pose, position)
+            if self._is_free(perception, path):
+                yield Drive(self._context, path, CAUTIOUS_SPEED)
+                yield self._look_round(index)
+
+    def _look_round(self, index: int) -> LookMotion:
         """Turn round, to the left and to the right by turns; wait where all sides are seen."""
         if self._view.half_angle >= math.pi:
-            return _Wait()
+            return Wait()
         # So that errors of the turns cancel.
-        return _TurnRound(self._context, -1.0 if index % 2 else 1.0)
+        return TurnRound(self._context, -1.0 if index % 2 else 1.0)
 
     def _path_into_view(self, perception: TaskPerception) -> Path | None:
         """Plan a path to where the object is in view; None where the robot is far enough."""
@@ -360,6 +266,21 @@ class Look(Behavior[TaskPerception]):
         if self._context.robot.drive == 'differential':
             return differential_path(robot_pose, end, waypoints, [False])
         return holonomic_path(robot_pose, end, waypoints)
+
+    def _path_by(self, start: Pose, robot_pose: Pose, position: tuple[float, float]) -> Path:
+        """Lead back to the start, and straight from there; with little turning, also backwards."""
+        positions = [position] if distance(robot_pose, start) < BACK_AT_START else [
+            start[:2], position]
+        waypoints = [Waypoint(*each) for each in positions]
+        if self._context.robot.drive != 'differential':
+            return holonomic_path(robot_pose, Pose(*position, robot_pose.theta), waypoints)
+        heading, before = robot_pose.theta, robot_pose[:2]
+        are_backwards = []
+        for each in positions:
+            direction = math.atan2(each[1] - before[1], each[0] - before[0])
+            are_backwards.append(math.cos(direction - heading) < 0.0)
+            heading, before = direction + math.pi * are_backwards[-1], each
+        return differential_path(robot_pose, Pose(*position, heading), waypoints, are_backwards)
 
     def _is_free(self, perception: TaskPerception, path: Path) -> bool:
         """Tell whether a path keeps clear of obstacles, and of where the object may be."""

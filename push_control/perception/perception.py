@@ -369,8 +369,7 @@ class TaskPerception(RawPerception):
         is_known = self.is_robot_measured and not localization.is_robot_in_map
         if not localization.is_relative or is_known:
             return None
-        x, y, heading = localization.object_deviations.tolist()
-        return PoseDeviation(max(x, y), heading)
+        return localization.object_covariance.deviation
 
     def restart_averaging(self, time: float) -> None:
         """Forget where the object was at rest."""

@@ -177,8 +177,9 @@ class ContactHypotheses(EnsembleReading):
 
     @property
     def _may_creep(self) -> bool:
-        """Whether wheels may creep that are taken not to."""
-        return self._creep_test.is_open and not self.members.wheel_creep.any()
+        """Whether poses can tell that wheels creep which are taken not to."""
+        return (self._creep_test.is_open and not self._state.is_relative
+                and not self.members.wheel_creep.any())
 
     def _is_followed(self, test: HypothesisTest) -> bool:
         return any(alternative.test is test for alternative in self._alternatives)

@@ -19,7 +19,8 @@ expects. Then the members differ too little, and are spread until they explain i
 A pose z that is relative to the robot is compared with each member's own relation of robot r and
 object o, r^-1 o. It tells of the robot and of odometry always, so that an object at rest is a
 landmark; but of friction only after a contact, as chance correlations of the members would say
-more of it than there is to know.
+more of it than there is to know. Of wheels that creep it tells nothing: what is pushed comes along
+with the robot, however far both have come.
 """
 
 import math
@@ -95,6 +96,9 @@ class MeasurementUpdate:
         state = self._state
         state.is_relative = measured.relative is not None
         if state.pose_time is None:
+            if state.is_relative:
+                # No pose would tell how far wheels creep.
+                state.members.wheel_creep[:] = 0.0
             self._place_objects(measured)
             state.pose_time = measured.time
             return True
@@ -114,14 +118,18 @@ class MeasurementUpdate:
         self._include(measured, update)
         return True
 
+    def _shift_objects(self, shifts: FloatArray) -> None:
+        """Move the objects of all members, now and before, by (x, y, theta), shape (n, 3)."""
+        members = self._state.members
+        self._state.history.poses[:, :, OBJECT_COLUMNS:] += shifts
+        poses = members.poses.copy()
+        poses[:, OBJECT_COLUMNS:] += shifts
+        members.set_poses(poses, OBJECT_COLUMNS)
+
     def _disturb_objects(self) -> None:
         """Add what a contact that nobody has seen moves the objects otherwise, now and before."""
-        members = self._state.members
-        errors = UNSEEN_STDS * self._state.normal((members.count, POSE))
-        self._state.history.poses[:, :, OBJECT_COLUMNS:] += errors
-        poses = members.poses.copy()
-        poses[:, OBJECT_COLUMNS:] += errors
-        members.set_poses(poses, OBJECT_COLUMNS)
+        samples = self._state.normal((self._state.members.count, POSE))
+        self._shift_objects(UNSEEN_STDS * samples)
 
     def _compare(self, measured: ObjectPose) -> tuple[EnsembleUpdate, FloatArray]:
         """Compare a pose with what the members expect; return the update and its innovation."""
@@ -200,7 +208,8 @@ class MeasurementUpdate:
             return
         if tells_of_friction:
             update.apply(members.parameters)
-            update.apply(members.wheel_creep)
+            if not state.is_relative:
+                update.apply(members.wheel_creep)
             members.apply_parameters()
         else:
             errors = members.parameters[:, :ODOMETRY_ERRORS].copy()

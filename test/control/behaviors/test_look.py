@@ -7,10 +7,12 @@ import numpy as np
 from push_control.behaviors.behavior import Abort, BehaviorContext
 from push_control.behaviors.look import (
     ADDED_MARGIN, LASTING_TIME, Look, LOOK_MARGIN, LookMargin, MAX_MARGIN, RetreatIntoView,
-    ROUND_DISTANCE, ROUNDS, WAITING_TIME)
+    ROUND_DISTANCE, ROUNDS)
+from push_control.behaviors.look_motions import CAUTIOUS_SPEED, WAITING_TIME
 from push_control.goal import TaskFailure
 from push_control.perception.view import GAP_MARGIN
 from push_control.settings import ControlSettings
+from push_model.contact import find_contact
 from push_model.geometry import distance, Pose
 from push_model.signals import STOP, Twist
 from push_navigation.occupancy_map import OccupancyMap
@@ -111,6 +113,34 @@ def test_what_hides_nearby_is_found_from_farther_off():
                          view_nearest=0.5)
     assert look(room).result is None and room.sees
     assert room.turned > 2.0 * math.pi
+
+
+def searched_nearby(drive, bearing):
+    """Look for an object that is too near to be seen; return the room, and the gaps."""
+    place = Pose(0.0, 0.0, bearing).transform((0.2 + 0.17 + 0.05, 0.0))
+    room = KinematicView(Pose(0.0, 0.0, 0.0), Pose(*place, bearing), drive=drive,
+                         **half_angle(30.0), view_nearest=NEAREST)
+    assert look(room).result is None and room.sees
+    return room, [find_contact(room.object, room.object_pose, pose[:2], room.robot.radius).gap
+                  for pose in room.poses]
+
+
+@pytest.mark.parametrize('drive', DRIVES)
+@pytest.mark.parametrize('bearing', [0.0, 0.7])
+def test_a_robot_backs_off_an_object_before_it_that_is_too_near_to_be_seen(drive, bearing):
+    """As somebody has placed it, or as its last push has ended."""
+    _, gaps = searched_nearby(drive, bearing)
+    assert min(gaps) > 0.05 - 1e-3
+
+
+@pytest.mark.parametrize('drive, bearing', [('differential', math.pi), ('holonomic', 2.4)])
+def test_an_object_that_nobody_has_seen_is_met_as_slowly_as_it_is_touched(drive, bearing):
+    """And left again: it is moved by no more than what it lacked to be seen."""
+    room, gaps = searched_nearby(drive, bearing)
+    speeds = [math.hypot(*command[:2]) for command in room.commands]
+    touched = [speed for speed, gap in zip(speeds, gaps) if gap < 0.0]
+    assert touched and max(touched) < CAUTIOUS_SPEED + 1e-9
+    assert min(gaps) > -NEAREST - LOOK_MARGIN
 
 
 @pytest.mark.parametrize('drive', DRIVES)

@@ -8,7 +8,7 @@ import numpy as np
 from push_control.perception.ensemble.push_ensemble import PushEnsemble
 from push_control.perception.ensemble.relation import composed_poses, relative_poses
 from push_model.geometry import Pose
-from push_model.signals import ObjectPose, Odometry, STOP
+from push_model.signals import ObjectPose, Odometry, PoseCovariance, STOP
 import pytest
 
 OBJECT = Pose(1.0, 0.2, 0.4)
@@ -75,3 +75,14 @@ def test_a_pose_in_the_world_is_not_relative():
     ensemble.update(ObjectPose(0.0, OBJECT))
     assert not ensemble.is_relative
     assert ensemble.position_deviation == ensemble.members.position_deviation
+
+
+def test_the_greatest_deviation_does_not_depend_on_the_axes() -> None:
+    """It is that along the longer axis of the ellipse, wherever that points."""
+    for angle in np.linspace(0.0, math.pi, 7):
+        c, s = math.cos(angle), math.sin(angle)
+        turned = np.eye(3)
+        turned[:2, :2] = (c, -s), (s, c)
+        matrix = turned @ np.diag([0.04, 0.01, 0.09]) @ turned.T
+        deviation = PoseCovariance.from_matrix(matrix).deviation
+        assert deviation == pytest.approx((0.2, 0.3))

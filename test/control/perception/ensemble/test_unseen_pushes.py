@@ -2,12 +2,13 @@
 
 import math
 
-from helpers.ensemble_runs import CONTROL, NOISE, ROBOT
+from helpers.ensemble_runs import CONTROL, NO_NOISE, NOISE, ROBOT
 from helpers.objects import box
+import numpy as np
 from push_base.push_force import needed_force
 from push_control.perception.ensemble.push_ensemble import PushEnsemble
 from push_model.geometry import distance, Pose
-from push_model.signals import ObjectPose, Odometry, STOP
+from push_model.signals import ObjectPose, Odometry, PoseCovariance, STOP
 import pytest
 
 # Of the way at the force that pushes the box: 4 %.
@@ -21,10 +22,10 @@ TOUCH, STEP = -0.37, 0.005
 class Pusher:
     """A robot that pushes a box along x, unseen, with wheels that creep while it pushes."""
 
-    def __init__(self, noise, creep):
+    def __init__(self, noise, creep, is_relative=False):
         """Start before the contact, the box in sight."""
         self.ensemble = PushEnsemble(box(), ROBOT, CONTROL, noise)
-        self.creep = creep
+        self.creep, self.is_relative = creep, is_relative
         self.time, self.odometry = 0.0, TOUCH - 0.05
         self.robot, self.box = self.odometry, 0.0
         self.see()
@@ -33,7 +34,14 @@ class Pusher:
         """Let poses come for a moment."""
         for _ in range(20):
             self._measure(0.0)
-            self.ensemble.update(ObjectPose(self.time, Pose(self.box, 0.0, 0.0)))
+            self.ensemble.update(self.object_pose)
+
+    @property
+    def object_pose(self):
+        """The pose of the box that is measured now."""
+        relation = Pose(self.box - self.robot, 0.0, 0.0)
+        return ObjectPose(self.time, Pose(self.box, 0.0, 0.0),
+                          relative=relation if self.is_relative else None)
 
     def drive(self, length):
         """Drive along x."""
@@ -92,3 +100,41 @@ def test_an_object_that_was_carried_off_does_not_move_the_robot_with_it():
     pusher.see()
     assert pusher.error < 0.03
     assert distance(pusher.ensemble.object_pose, Pose(pusher.box, 0.0, 0.0)) < 0.01
+
+
+@pytest.mark.parametrize('creep', [0.0, 0.08])
+def test_poses_relative_to_the_robot_do_not_tell_how_its_wheels_creep(creep):
+    """What is pushed comes along: the place in the world is that of odometry."""
+    pusher, plain = (Pusher(noise, creep, is_relative=True) for noise in (UNSEEN, NOISE))
+    for each in pusher, plain:
+        each.push(0.4)
+        each.push(0.4)
+    assert not pusher.ensemble.members.wheel_creep.any()
+    assert distance(pusher.ensemble.pose, plain.ensemble.pose) < 0.01
+    relation = pusher.ensemble.pose.inverse() @ pusher.ensemble.object_pose
+    assert relation.x == pytest.approx(pusher.box - pusher.robot, abs=2e-3)
+
+
+@pytest.mark.parametrize('is_relative', [False, True])
+def test_a_tap_that_nobody_sees_leaves_the_object_uncertain_by_millimetres(is_relative):
+    """And by half a degree: what a pose says that tells nothing."""
+    pusher = Pusher(NO_NOISE, 0.0, is_relative)
+    pusher.drive(0.055)
+    pusher.drive(-0.15)
+    before = pusher.ensemble.object_deviations.copy()
+    pusher.ensemble.update(pusher.object_pose._replace(
+        covariance=PoseCovariance.from_deviations(10.0, 10.0)))
+    added = np.sqrt(pusher.ensemble.object_deviations ** 2 - before ** 2)
+    assert np.all((added > (0.002, 0.002, 0.005)) & (added < (0.005, 0.005, 0.02)))
+
+
+def test_an_object_that_a_tap_has_moved_otherwise_is_where_it_is_seen():
+    """An ensemble that is sure of what taps do would keep it from where poses have it."""
+    pusher = Pusher(NO_NOISE, 0.0)
+    for _ in range(100):
+        pusher.see()
+    pusher.drive(0.055)
+    pusher.drive(-0.15)
+    pusher.box += 0.006
+    pusher.see()
+    assert pusher.ensemble.object_pose.x == pytest.approx(pusher.box, abs=1e-3)
