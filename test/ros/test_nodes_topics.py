@@ -47,6 +47,9 @@ class Robot:
         b.subscribe('push_request')
         self.measure_on(odom, object_pose)
         b.node.create_timer(PERIOD, self._measure)
+        # A node that was never started before compiles for a minute.
+        b.wait_until(lambda: any('waits for a goal' in status.message
+                                 for status in self.statuses(CONTROLLER)))
 
     def measure_on(self, odom, object_pose):
         """Publish measurements on these topics from now on."""

@@ -42,7 +42,7 @@ PARAMETERS = {**to_parameter_values(SCENARIO.object, 'object.'),
               **to_parameter_values(SCENARIO.robot, 'robot.'), 'use_sim_time': True, 'task': True,
               'object_name': 'box_04', 'base.node': 'base',
               'base.parameters.name': ['reflex', 'safety_override'],
-              'base.parameters.expected': ['false', 'backup_only|full'], 'base.timeout': 4.0}
+              'base.parameters.expected': ['false', 'backup_only|full'], 'base.timeout': 8.0}
 BIN = read_object(config_file('objects/bin.yaml'))
 PERIOD = 0.05
 STOPPED = 'stopped by controller/stop: call controller/start'
@@ -302,7 +302,7 @@ def test_a_base_that_cannot_be_reached_gets_no_goal(client):
     client.b.wait_until(result.done)
     ended = result.result()
     assert ended.result.error_code == client.action.Result.ROBOT_NOT_READY
-    assert 'base: got none of its parameters within 4 s' in ended.result.error_msg
+    assert 'base: got none of its parameters within 8 s' in ended.result.error_msg
     client.b.executor.add_node(client.base)
     assert client.result(OBJECT).status == GoalStatus.STATUS_SUCCEEDED
 

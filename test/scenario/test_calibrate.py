@@ -1,5 +1,6 @@
 """The command calibrate, as a new user runs it: over DDS, and without ROS."""
 
+import contextlib
 import dataclasses
 import io
 import signal
@@ -52,23 +53,28 @@ sys.exit(cli.main())
 """
 
 
-def start(network, folder, *program):
+@contextlib.contextmanager
+def started(network, folder, *program):
     """Start the command, or a program for it, with the robot as its user states it."""
     path = folder / 'my.yaml'
     path.write_text(yaml.safe_dump({'/**': {'ros__parameters': {
         **to_parameter_values(SCENARIO.object, 'object.'),
         **to_parameter_values(SCENARIO.robot, 'robot.'), 'lockstep': True}}}))
-    return subprocess.Popen(
-        [sys.executable, *(program or ('-m', 'push_scenario.calibration.cli')), '--out',
-         str(folder / 'out'), '--ros-args', '--params-file', str(path)],
-        env=private_environment(network.node.context.get_domain_id()), text=True,
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    with subprocess.Popen(
+            [sys.executable, *(program or ('-m', 'push_scenario.calibration.cli')), '--out',
+             str(folder / 'out'), '--ros-args', '--params-file', str(path)],
+            env=private_environment(network.node.context.get_domain_id()), text=True,
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        try:
+            yield process
+        finally:
+            process.kill()
 
 
 @pytest.mark.dds
 def test_interrupted_over_dds_it_writes_what_it_has(network, tmp_path):
     """Ctrl-C while it drives: the base gets zeros, and there is a report."""
-    with start(network, tmp_path) as process:
+    with started(network, tmp_path) as process:
         for line in process.stderr:
             if line.startswith('steps'):
                 process.send_signal(signal.SIGINT)
@@ -82,7 +88,7 @@ def test_interrupted_over_dds_it_writes_what_it_has(network, tmp_path):
 @pytest.mark.dds
 def test_where_the_simulator_ends_it_ends_and_writes_what_it_has(network, tmp_path):
     """Nobody interrupts it: nothing comes any more, and it waits no longer."""
-    with start(network, tmp_path, '-c', IMPATIENT) as process:
+    with started(network, tmp_path, '-c', IMPATIENT) as process:
         for line in process.stderr:
             if line.startswith('steps'):
                 network.processes.stop(SIM)
@@ -95,7 +101,7 @@ def test_where_the_simulator_ends_it_ends_and_writes_what_it_has(network, tmp_pa
 @pytest.mark.dds
 def test_over_dds_the_base_is_measured_and_its_files_do_a_task(network, tmp_path):
     """A base that is late and has a dead band does a task as it is measured."""
-    with start(network, tmp_path) as process:
+    with started(network, tmp_path) as process:
         output, errors = process.communicate(timeout=400)
     assert process.returncode == cli.DONE, errors
     assert 'lines' in errors

@@ -20,7 +20,7 @@ OTHER = JOB._replace(robot=dataclasses.replace(JOB.robot, radius=0.173))
 def wait_for_children():
     """Wait until the process that was told to end has ended."""
     for child in multiprocessing.active_children():
-        child.join(60.0)
+        child.join(300.0)
     assert not multiprocessing.active_children()
 
 
