@@ -4,8 +4,9 @@ import dataclasses
 import math
 from typing import Callable, NamedTuple, Sequence
 
-from benchmarks.plant.mujoco_scene import DEFAULT, Engine, HARD, MujocoPlant, TUNED
+from benchmarks.plant.mujoco_scene import DEFAULT, Engine, HARD, MujocoPlant, Room, TUNED
 from benchmarks.plant.scenes import ORIGIN, robot_without_lag
+from push_dynamics.walls import Wall
 from push_model.geometry import Pose, wrap_angle
 from push_model.parameters import Outline, PushedObject, RoundRobot, Support
 from push_model.signals import Twist
@@ -40,6 +41,7 @@ class Push:
     :param distance: that the robot drives [m].
     :param contact_height: of the object [m].
     :param center_of_mass_height: of the object [m].
+    :param room: walls that stop the object.
     """
 
     kind: str
@@ -53,6 +55,7 @@ class Push:
     distance: float = 0.6
     contact_height: float = 0.0
     center_of_mass_height: float = 0.0
+    room: Room = Room()
 
     @property
     def object(self) -> PushedObject:
@@ -163,6 +166,16 @@ RAISED = tuple(
         (('bin', 3.0, 0.3, 0.8, 0.02, (0.1, 0.0)), 0.2))
     for height, center in ((0.05, 0.1), (0.1, 0.1), (0.2, 0.2)))
 
+# Beside a wall, and towards one at an angle. MuJoCo's robot is not held back: none is wedged.
+AT_WALLS = (
+    Push('box', 2.0, 0.3, 0.5, -0.05, (0.1, 0.0), room=Room((Wall(-2.0, 0.2, 2.0, 0.2),))),
+    Push('box', 2.0, 0.3, 0.5, -0.05, (0.1, 0.0), room=Room((Wall(-2.0, 0.2, 2.0, 0.2),), 0.0)),
+    Push('box', 2.0, 0.3, 0.8, 0.0, (0.1, 0.0), room=Room((Wall(0.0, 0.7, 1.5, -0.4),), 0.1)),
+    Push('bin', 3.0, 0.3, 0.3, 0.0, (0.1, 0.0), distance=0.4,
+         room=Room((Wall(-1.0, 0.32, 2.0, 0.02),), 0.2)),
+    Push('table', 6.0, 0.4, 0.5, 0.1, (0.1, 0.0), distance=0.5,
+         room=Room((Wall(-2.0, -0.41, 2.0, -0.41),))))
+
 
 def by_plant(push: Push, step: float = 1e-3) -> tuple[list[Pose], set[ContactMode]]:
     """
@@ -172,7 +185,8 @@ def by_plant(push: Push, step: float = 1e-3) -> tuple[list[Pose], set[ContactMod
     :param step: longest step [s].
     :return: poses of the object at equal times (list of ``Pose``), set of the contact modes.
     """
-    plant = Plant(push.object, push.robot, ORIGIN, push.robot_pose(), step)
+    plant = Plant(push.object, push.robot, ORIGIN, push.robot_pose(), step,
+                  walls=push.room.walls, wall_friction=push.room.friction)
     poses: list[Pose] = []
     modes: set[ContactMode] = set()
     for _ in range(SAMPLES):
@@ -190,7 +204,8 @@ def by_mujoco(push: Push, engine: Engine) -> list[Pose]:
     :param engine: ``Engine``.
     :return: poses of the object at the times of ``by_plant``.
     """
-    plant = MujocoPlant(push.object, push.robot, ORIGIN, push.robot_pose(), engine)
+    plant = MujocoPlant(push.object, push.robot, ORIGIN, push.robot_pose(), engine,
+                        room=push.room)
     edges = [round(push.duration * i / SAMPLES / engine.step) for i in range(SAMPLES + 1)]
     poses: list[Pose] = []
     for start, end in zip(edges, edges[1:]):

@@ -7,12 +7,13 @@ no load shifts from foot to foot.
 
 import dataclasses
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
 from push_dynamics.actuation import chord_velocity, limit_command, track_command
-from push_model.geometry import Pose
+from push_dynamics.walls import Wall
+from push_model.geometry import Coordinates, Pose
 from push_model.parameters import GRAVITY, PushedObject, RoundRobot
 from push_model.signals import Twist
 
@@ -26,6 +27,8 @@ ROBOT_HALF_HEIGHT = 0.4
 # Mass [kg] and inertia [kg m^2] of the robot's base, which no push may slow down; chosen: far
 # above those of any object.
 BASE_MASS = 1e6
+# Thickness and height of a wall [m]; chosen: nothing passes it.
+WALL_THICKNESS, WALL_HEIGHT = 0.1, 0.4
 # Time that the object gets to sink to its rest on the soft floor [s]; chosen: many time constants.
 SETTLING_TIME = 0.5
 SolverParameters = tuple[float, float]
@@ -68,6 +71,18 @@ class Engine:
     gravity: tuple[float, float, float] = (0.0, 0.0, -GRAVITY)
 
 
+class Room(NamedTuple):
+    """
+    Walls.
+
+    :param walls: ``Wall`` sequence, each solid behind the side on which the object starts.
+    :param friction: coefficient between them and the object.
+    """
+
+    walls: tuple[Wall, ...] = ()
+    friction: float = 0.3
+
+
 DEFAULT = Engine()
 # Stiff contacts and an exact cone.
 HARD = Engine(step=5e-4, impratio=10.0, floor=(0.002, 1.0), bumper=(0.002, 1.0),
@@ -105,8 +120,30 @@ def pair(one: str, other: str, mu: float, margin: float, *, solref: SolverParame
             f' solimp="{xml(*impedance, 1e-3, 0.5, 2)}" margin="{margin}"/>')
 
 
-def scene_xml(obj: PushedObject, robot: RoundRobot, engine: Engine) -> str:
-    """Write the scene; only the pairs named in it touch."""
+def wall_geom(name: str, wall: Wall, center: Coordinates) -> str:
+    """
+    Write a wall: a block with one face on the segment, behind it.
+
+    :param center: (x, y) of the object, which tells the side [m].
+    """
+    length = math.hypot(wall.end_x - wall.start_x, wall.end_y - wall.start_y)
+    angle = math.atan2(wall.end_y - wall.start_y, wall.end_x - wall.start_x)
+    frame = Pose(wall.start_x, wall.start_y, angle)
+    side = math.copysign(WALL_THICKNESS / 2, frame.inverse().transform(center[:2])[1])
+    x, y = frame.transform((length / 2, -side))
+    return (f'<geom name="{name}" type="box" pos="{xml(x, y, WALL_HEIGHT / 2)}" '
+            f'euler="{xml(0, 0, math.degrees(angle))}" '
+            f'size="{xml(length / 2, WALL_THICKNESS / 2, WALL_HEIGHT)}"/>')
+
+
+def scene_xml(obj: PushedObject, robot: RoundRobot, engine: Engine, room: Room = Room(),
+              center: Coordinates = (0.0, 0.0)) -> str:
+    """
+    Write the scene; only the pairs named in it touch.
+
+    :param center: (x, y) of the object at first [m].
+    """
+    walls = ''.join(wall_geom(f'wall{i}', wall, center) for i, wall in enumerate(room.walls))
     feet = ''.join(f'<geom name="foot{i}" type="sphere" size="{FOOT_RADIUS}" '
                    f'pos="{xml(foot.x, foot.y, FOOT_RADIUS)}"/>'
                    for i, foot in enumerate(obj.supports))
@@ -117,6 +154,10 @@ def scene_xml(obj: PushedObject, robot: RoundRobot, engine: Engine) -> str:
     pairs += pair('robot', 'outline', obj.contact_friction_coefficient, engine.margin,
                   solref=engine.bumper, friction_solref=(0.0, 0.0),
                   impedance=engine.bumper_impedance)
+    pairs += ''.join(
+        pair(f'wall{i}', 'outline', room.friction, engine.margin, solref=engine.bumper,
+             friction_solref=(0.0, 0.0), impedance=engine.bumper_impedance)
+        for i in range(len(room.walls)))
     cylinder = xml(robot.radius - engine.margin, ROBOT_HALF_HEIGHT)
     inertia = xml(obj.inertia, obj.inertia, obj.inertia)
     center = xml(*obj.center_of_mass, obj.center_of_mass_height)
@@ -128,7 +169,7 @@ def scene_xml(obj: PushedObject, robot: RoundRobot, engine: Engine) -> str:
           gravity="{xml(*engine.gravity)}"/>
   <default><geom contype="0" conaffinity="0"/></default>
   <worldbody>
-    <geom name="floor" type="plane" size="9 9 1"/>
+    <geom name="floor" type="plane" size="9 9 1"/>{walls}
     <body name="object">
       <freejoint/>
       <inertial pos="{center}" mass="{obj.mass}" diaginertia="{inertia}"/>
@@ -160,14 +201,17 @@ class MujocoPlant:
     :param robot_pose: ``Pose`` of the robot.
     :param engine: ``Engine``.
     :param steps_per_command: steps between two settings of the robot's velocity.
+    :param room: walls that stop the object; the robot passes them.
     """
 
     def __init__(self, obj: PushedObject, robot: RoundRobot, object_pose: Pose, robot_pose: Pose,
-                 engine: Engine = DEFAULT, *, steps_per_command: int = 1) -> None:
+                 engine: Engine = DEFAULT, *, steps_per_command: int = 1,
+                 room: Room = Room()) -> None:
         self.engine = engine
         self.robot = robot
         self.steps_per_command = steps_per_command
-        self.model = _mujoco.MjModel.from_xml_string(scene_xml(obj, robot, engine))
+        self.model = _mujoco.MjModel.from_xml_string(
+            scene_xml(obj, robot, engine, room, object_pose))
         self.data = _mujoco.MjData(self.model)
         self.drive = (robot.time_constant, robot.max_acceleration, robot.max_yaw_acceleration)
         self._settle()

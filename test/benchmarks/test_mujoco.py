@@ -54,6 +54,15 @@ def test_pushes_above_the_floor_agree(push):
     assert push.kind == 'uneven box' or math.degrees(shift.angle) > 0.4
 
 
+@pytest.mark.parametrize('push', comparison.AT_WALLS)
+def test_pushes_at_walls_agree(push):
+    """Walls move the ends by centimetres, and by as much in both."""
+    distance, angle = difference(push, QUICK)
+    assert distance < 3.0 and angle < 0.8
+    free = dataclasses.replace(push, room=comparison.Room())
+    assert pose_difference(by_plant(free)[0][-1], by_plant(push)[0][-1]).distance > 0.01
+
+
 @pytest.mark.parametrize('change, push', [
     ({'grip': 0.24}, PUSHES[22]), ({'kind': 'uneven box'}, PUSHES[4]), ({'mass': 3.0}, PUSHES[9]),
     ({'offset': 0.025}, PUSHES[1]), ({'kind': 'three feet'}, PUSHES[2])])
