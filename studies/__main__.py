@@ -17,7 +17,7 @@ from studies.framework.parameters import (
 from studies.framework.runner import StudyResult, StudyRunner
 from studies.framework.study import Study
 from studies.maps import commands
-from studies.recordings import block, page, prediction
+from studies.recordings import block, page, prediction, repeats
 from tqdm import tqdm
 
 EXIT_DONE = 0
@@ -74,6 +74,8 @@ def make_parser() -> argparse.ArgumentParser:
     data.set_defaults(action=_predict_recordings)
     data.add_argument('folder', type=Path, metavar='FOLDER',
                       help='recordings, see docs/reports/real_pushes.md')
+    data.add_argument('--repeats', type=Path, metavar='FOLDER',
+                      help='logs of repeated pushes, for the noise floor')
     data.add_argument('--out', type=Path, default=Path('out') / 'studies', metavar='DIR',
                       help='where the picture goes (default: out/studies)')
     data.add_argument('--page', type=Path, metavar='FILE',
@@ -124,13 +126,14 @@ def _run(options: argparse.Namespace) -> None:
 
 def _predict_recordings(options: argparse.Namespace) -> None:
     recordings = block.read_recordings(options.folder)
-    reports = [prediction.report(recording)
-               for recording in tqdm(recordings, file=sys.stderr, bar_format=BAR_FORMAT)]
+    reports = prediction.reports(recordings)
     options.out.mkdir(parents=True, exist_ok=True)
     picture = options.out / 'real_pushes.png'
     page.save_picture(reports, picture)
     folder = options.page.parent if options.page else Path()
     text = page.page(reports, os.path.relpath(picture, folder).replace(os.sep, '/'))
+    if options.repeats is not None:
+        text = f'{page.repeats_text(repeats.read_repeats(options.repeats))}\n\n{text}'
     print(text)
     if options.page is not None:
         shown = options.page.read_text(encoding='utf-8')

@@ -4,14 +4,19 @@ Slow pushes by a round robot, integrated for many objects, parameters or starts 
 Without inertia (``sliding_contact``): the contact sticks or slides, is taken where robot and
 object are nearest at the start of a step, and a gap or an overlap that is left is made up for
 in the next one.
+
+A contact above the floor shifts loads between the supports (``docs/physics.md``, section 11). The
+loads of a step are those that the contact force of the step before causes; the first step takes a
+force along the displacement, as great as all friction.
 """
 
-from typing import NamedTuple
+from typing import NamedTuple, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from push_model.analysis.planar import rotated
 from push_model.analysis.sliding_contact import contact_motion, SupportArrays
+from push_model.friction import load_gradients
 from push_model.geometry import FloatArray
 from push_model.parameters import PushedObject
 
@@ -51,6 +56,53 @@ class Shape(NamedTuple):
         return candidates[rows, best], distances[rows, best]
 
 
+class LoadedSupports(NamedTuple):
+    """
+    Supports of one object, or of n objects that differ, whose loads a contact force may shift.
+
+    :param at_rest: positions, and friction capacities under the loads at rest.
+    :param shifts: change of each capacity by the contact force, ``mu_i z_C eta_i`` in the object
+        frame, shape (k, 2) or (n, k, 2); 0 for a contact on the floor.
+    """
+
+    at_rest: SupportArrays
+    shifts: FloatArray
+
+    @classmethod
+    def of(cls, obj: PushedObject) -> 'LoadedSupports':
+        """Take the supports of an object, and the height of its contact."""
+        friction = np.array([support.friction_coefficient for support in obj.supports])
+        shifts = obj.contact_height * friction[:, None] * np.array(load_gradients(obj))
+        return cls(SupportArrays.of(obj), shifts)
+
+    @classmethod
+    def stacked(cls, each: Sequence['LoadedSupports']) -> 'LoadedSupports':
+        """Stack supports of objects, of each or of sets of them, to those of n objects."""
+        rows = [[np.reshape(array, (-1, *array.shape[-dimensions:]))
+                 for array, dimensions in ((one.at_rest.positions, 2),
+                                           (one.at_rest.capacities, 1), (one.shifts, 2))]
+                for one in each]
+        positions, capacities, shifts = (np.concatenate(column) for column in zip(*rows))
+        return cls(SupportArrays(positions, capacities), shifts)
+
+    def rows(self, rows: NDArray[np.int_]) -> 'LoadedSupports':
+        """Select pushes."""
+        (positions, capacities), shifts = self
+        return LoadedSupports(
+            SupportArrays(positions if positions.ndim == 2 else positions[rows],
+                          capacities if capacities.ndim == 1 else capacities[rows]),
+            shifts if shifts.ndim == 2 else shifts[rows])
+
+    def under(self, forces: FloatArray) -> SupportArrays:
+        """
+        Return the supports under contact forces; one that lifts has no friction.
+
+        :param forces: of the robot on the object, object frame, shape (n, 2) [N].
+        """
+        capacities = self.at_rest.capacities + (self.shifts @ forces[:, :, None])[..., 0]
+        return SupportArrays(self.at_rest.positions, np.maximum(capacities, 0.0))
+
+
 class SlowPushes(NamedTuple):
     """
     Integrated pushes.
@@ -66,7 +118,7 @@ class SlowPushes(NamedTuple):
     slides: NDArray[np.int_]
 
 
-def integrate_slow_pushes(shape: Shape, supports: SupportArrays, contact_friction: ArrayLike,
+def integrate_slow_pushes(shape: Shape, supports: LoadedSupports, contact_friction: ArrayLike,
                           robot_radius: float, starts: FloatArray,
                           paths: FloatArray) -> SlowPushes:
     """
@@ -86,12 +138,16 @@ def integrate_slow_pushes(shape: Shape, supports: SupportArrays, contact_frictio
     pushes = SlowPushes(np.empty_like(paths), np.zeros((*paths.shape[:2], 2)),
                         np.zeros(paths.shape[:2], dtype=int))
     pushes.poses[:, 0] = poses
+    forces = np.full((len(starts), 2), np.nan)
     for index in range(1, paths.shape[1]):
         step = _Step.of(shape, robot_radius, poses, paths[:, index - 1], paths[:, index])
         rows = np.flatnonzero(step.presses)
         if len(rows):
-            motion = contact_motion(_rows(supports, rows), step.points[rows], step.normals[rows],
+            pushed = supports.rows(rows)
+            before = _first_forces(pushed, forces[rows], step.displacements[rows])
+            motion = contact_motion(pushed.under(before), step.points[rows], step.normals[rows],
                                     step.displacements[rows], friction[rows])
+            forces[rows] = motion.forces
             moved = _moved(poses[rows], step.points[rows], motion.velocities, motion.yaw_rates)
             pushes.forces[rows, index] = _rotated_rows(poses[rows, 2], motion.forces)
             pushes.slides[rows, index] = motion.slides
@@ -132,10 +188,11 @@ class _Step(NamedTuple):
         return cls(points, normals, steps, (steps * inwards).sum(axis=1) > 0.0)
 
 
-def _rows(supports: SupportArrays, rows: NDArray[np.int_]) -> SupportArrays:
-    positions, capacities = supports
-    return SupportArrays(positions if positions.ndim == 2 else positions[rows],
-                         capacities if capacities.ndim == 1 else capacities[rows])
+def _first_forces(supports: LoadedSupports, forces: FloatArray,
+                  displacements: FloatArray) -> FloatArray:
+    """Take the forces of the step before, and all friction along the displacement in the first."""
+    sizes = supports.at_rest.capacities.sum(axis=-1) / np.hypot(*displacements.T)
+    return np.where(np.isnan(forces), sizes[:, None] * displacements, forces)
 
 
 def _moved(poses: FloatArray, points: FloatArray, displacements: FloatArray,

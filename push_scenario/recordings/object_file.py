@@ -35,6 +35,7 @@ def summary(result: Identification) -> list[str]:
     return [f'centre of friction x {_text(result.friction_center_x)} m',
             f'centre of friction y {_text(result.friction_center_y)} m',
             f'c^2 over the nominal one {_text(result.c_squared_ratio)}',
+            'friction on the floor is ' + ('not ' if result.is_free else '') + 'as statics has it',
             f'contact friction {_text(result.contact_friction)} '
             f'(contact slid in {result.sliding} of {result.pushes} pushes)',
             f'ends of the pushes are off by {1e3 * result.sigma:.1f} mm (standard deviation)']
@@ -57,4 +58,6 @@ def _fields(obj: PushedObject) -> dict[str, Any]:
          'friction_coefficient': round(support.friction_coefficient, DIGITS)}
         for support in obj.supports]
     fields['contact_friction_coefficient'] = round(obj.contact_friction_coefficient, DIGITS)
+    fields['contact_height'] = obj.contact_height
+    fields['center_of_mass_height'] = obj.center_of_mass_height
     return fields

@@ -5,12 +5,14 @@ J. Zhou, R. Paolini, J. A. Bagnell and M. T. Mason, "A convex polynomial force-m
 planar sliding: identification and application", ICRA 2016. Public repository
 robinzhoucmu/MLab_EXP, folder PushExp/sensor_log (Apache-2.0).
 
-A file holds the number of pushes, and for each: pose before, pose after (x y z [mm], quaternion
-w x y z), number of force rows, rows ``t f_x f_y`` [s, N], number of pusher rows, rows
-``t x y z qw qx qy qz`` [s, mm]. Its name states floor and feet: ``FLOOR_x1_x2_x3_y1_y2_y3``, with
-the places of the feet in the body frame [mm].
+A folder ``[FLOOR_]x1_x2_x3_y1_y2_y3`` states floor (hardboard where none) and places of the feet
+in the body frame [mm]; ``patch`` is the block without feet. It holds a set of fifty pushes, and
+some shorter trials. A file holds the number of pushes, and for each: pose before, pose after
+(x y z [mm], quaternion w x y z), number of force rows, rows ``t f_x f_y`` [s, N], number of pusher
+rows, rows ``t x y z qw qx qy qz`` [s, mm].
 """
 
+import dataclasses
 import lzma
 import math
 from pathlib import Path
@@ -42,6 +44,14 @@ SETTLING_TIME = 0.5
 SENSOR_TO_TOOL = -np.array([[1.0, 1.0], [1.0, -1.0]]) / math.sqrt(2.0)
 # Pushes that identify: every so many of a file of fifty; the others test.
 SELECTED = 10
+# Sets that identify nothing: chosen before they were read, as a test of what the others identify.
+HELD_BACK = ('hardboard_30_63.33_43.33_30_43.33_63.33', 'wood_10_90_10_10_30_130',
+             'wood_30_63.33_43.33_30_43.33_63.33', 'hardboard_patch', 'wood_patch')
+PATCH = 'patch'
+# The block without feet stands on the middles of equal triangles, so many along a leg. Chosen:
+# ends differ by less than 0.1 mm from those with twice as many.
+PATCH_TRIANGLES = 6
+SUFFIXES = ('.txt', '.txt.xz')
 
 
 class BlockPush(NamedTuple):
@@ -61,9 +71,9 @@ class BlockPush(NamedTuple):
 
 class BlockRecording(NamedTuple):
     """
-    One file.
+    One set of pushes.
 
-    :param name: of the file.
+    :param name: floor and places of the feet [mm], or ``PATCH``.
     :param floor: one of ``FLOOR_FRICTION``.
     :param object: the block, with what is believed before.
     :param pushes: in the order of the file.
@@ -75,6 +85,16 @@ class BlockRecording(NamedTuple):
     object: PushedObject
     pushes: tuple[BlockPush, ...]
     delay: float
+
+    @property
+    def identifying(self) -> tuple[BlockPush, ...]:
+        """Pushes that identify."""
+        return () if self.name in HELD_BACK else self.pushes[::SELECTED]
+
+    @property
+    def tested(self) -> tuple[BlockPush, ...]:
+        """Pushes that are predicted: as many of each set."""
+        return tuple(push for index, push in enumerate(self.pushes) if index % SELECTED)
 
 
 class _RawPush(NamedTuple):
@@ -111,42 +131,92 @@ def read_recordings(folder: Path) -> tuple[BlockRecording, ...]:
     """
     Read all recordings of a folder.
 
-    :param folder: with files ``*.txt`` or ``*.txt.xz``.
+    :param folder: as published, with a folder for each set; or with files named as these folders,
+        ``*.txt`` or ``*.txt.xz``.
     :return: recordings by name.
     :raises ValueError: where there are none, or a file is not such a recording.
     """
-    paths = sorted([*folder.glob('*.txt'), *folder.glob('*.txt.xz')])
+    paths = _named_paths(folder)
     if not paths:
         raise ValueError(f'folder: got {folder}, without files *.txt or *.txt.xz, expected the '
                          'recordings of the block')
-    files = [_read(path) for path in paths]
+    files = [_read(name, path) for name, path in sorted(paths.items())]
     delay = _force_delay(files)
     return tuple(BlockRecording(one.name, one.floor, one.object,
                                 tuple(_push(raw, one.object, delay) for raw in one.pushes), delay)
                  for one in files)
 
 
-def _read(path: Path) -> _RawFile:
-    name = path.name.removesuffix('.xz').removesuffix('.txt')
-    floor, *coordinates = name.split('_')
-    if floor not in FLOOR_FRICTION or len(coordinates) != 6:
-        raise ValueError(f'{path.name}: expected FLOOR_x1_x2_x3_y1_y2_y3.txt with a floor of '
-                         f'{", ".join(FLOOR_FRICTION)}')
-    positions = [MILLIMETRE * float(coordinate) for coordinate in coordinates]
-    friction = FLOOR_FRICTION[floor] / (MASS * GRAVITY)
-    obj = PushedObject(MASS, outline=OUTLINE, center_of_mass=CENTER_OF_MASS,
-                       contact_friction_coefficient=CONTACT_FRICTION,
-                       supports=tuple(Support(x, y, friction)
-                                      for x, y in zip(positions[:3], positions[3:])))
+def with_contact_friction(obj: PushedObject, contact_friction: float) -> PushedObject:
+    """Return a block with another mu_c."""
+    return dataclasses.replace(obj, contact_friction_coefficient=contact_friction)
+
+
+def _named_paths(folder: Path) -> dict[str, Path]:
+    """Find the file of each set; of the files of a folder that with the most pushes."""
+    paths = {_set_name(path.name): path for path in _recordings_in(folder)}
+    for inner in sorted(path for path in folder.iterdir() if path.is_dir()):
+        files = [path for path in _recordings_in(inner) if _is_set(inner.name)]
+        if files:
+            paths[_set_name(inner.name)] = max(files, key=_push_count)
+    return paths
+
+
+def _recordings_in(folder: Path) -> list[Path]:
+    return sorted(path for suffix in SUFFIXES for path in folder.glob(f'*{suffix}'))
+
+
+def _set_name(name: str) -> str:
+    for suffix in reversed(SUFFIXES):
+        name = name.removesuffix(suffix)
+    return f'hardboard_{name}' if name[:1].isdigit() or name == PATCH else name
+
+
+def _is_set(name: str) -> bool:
+    """Say whether a folder's name has a floor, if any, and feet or none."""
+    floor, *feet = _set_name(name).split('_')
+    return floor in FLOOR_FRICTION and (feet == [PATCH] or len(feet) == 6)
+
+
+def _lines(path: Path) -> Iterator[str]:
     opener = lzma.open if path.suffix == '.xz' else open
     with opener(path, 'rt', encoding='utf-8') as stream:
-        rows = iter(stream.read().splitlines())
+        yield from stream
+
+
+def _push_count(path: Path) -> int:
+    first = next(_lines(path), '').strip()
+    return int(first) if first.isdigit() else 0
+
+
+def _read(name: str, path: Path) -> _RawFile:
+    if not _is_set(name):
+        raise ValueError(f'{path.name}: expected FLOOR_x1_x2_x3_y1_y2_y3.txt with a floor of '
+                         f'{", ".join(FLOOR_FRICTION)}, or FLOOR_patch.txt')
+    floor, *feet = name.split('_')
+    friction = FLOOR_FRICTION[floor] / (MASS * GRAVITY)
+    places = _patch() if feet == [PATCH] else [
+        (MILLIMETRE * float(x), MILLIMETRE * float(y)) for x, y in zip(feet[:3], feet[3:])]
+    obj = PushedObject(MASS, outline=OUTLINE, center_of_mass=CENTER_OF_MASS,
+                       contact_friction_coefficient=CONTACT_FRICTION,
+                       supports=tuple(Support(x, y, friction) for x, y in places))
+    rows = _lines(path)
     try:
         pushes = tuple(_raw_push(rows) for _ in range(int(next(rows))))
     except (StopIteration, ValueError, IndexError) as error:
         raise ValueError(f'{path.name}: expected pushes with poses, forces and pusher rows: '
                          f'{error}') from None
     return _RawFile(name, floor, obj, pushes)
+
+
+def _patch() -> list[tuple[float, float]]:
+    """Middles of the equal triangles of the base, of either way up [m]."""
+    side = OUTLINE[1][0] / PATCH_TRIANGLES
+    upright = [(i + 1.0 / 3.0, j + 1.0 / 3.0) for i in range(PATCH_TRIANGLES)
+               for j in range(PATCH_TRIANGLES - i)]
+    turned = [(i + 2.0 / 3.0, j + 2.0 / 3.0) for i in range(PATCH_TRIANGLES - 1)
+              for j in range(PATCH_TRIANGLES - 1 - i)]
+    return [(side * x, side * y) for x, y in upright + turned]
 
 
 def _table(rows: Iterator[str]) -> FloatArray:

@@ -2,34 +2,21 @@
 
 import math
 from pathlib import Path
-from typing import Sequence
+from typing import Callable, Sequence
 
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 import numpy as np
 from push_model.geometry import FloatArray
 from studies.framework import plot_style
-from studies.recordings.prediction import (
-    Errors, FITTED, PLANT, QUASI_STATIC, RecordingReport, UNFITTED,
-)
+from studies.recordings.block import PATCH
+from studies.recordings.prediction import Errors, Method, RecordingReport
+from studies.recordings.repeats import Repeats
 
 MILLIMETRES = 1e3
 # Median, and what 90 of 100 stay below.
 QUANTILES = (0.5, 0.9)
-KINDS = ((UNFITTED, QUASI_STATIC), (UNFITTED, PLANT), (FITTED, QUASI_STATIC), (FITTED, PLANT))
-
-
-def select(reports: Sequence[RecordingReport], parameters: str, model: str) -> list[Errors]:
-    """
-    Select errors.
-
-    :param reports: of all recordings.
-    :param parameters: ``UNFITTED`` or ``FITTED``.
-    :param model: ``QUASI_STATIC`` or ``PLANT``.
-    :return: those of each recording.
-    """
-    return [errors for one in reports for errors in one.errors
-            if (errors.parameters, errors.model) == (parameters, model)]
+Write = Callable[[Sequence[RecordingReport]], str]
 
 
 def page(reports: Sequence[RecordingReport], picture: str) -> str:
@@ -40,46 +27,78 @@ def page(reports: Sequence[RecordingReport], picture: str) -> str:
     :param picture: link to the picture.
     :return: text.
     """
-    names = [_short(one.recording.name) for one in reports] + ['all']
-    lines = [_row('end of a push: median (90 of 100)', names), _row('---', ['---'] * len(names))]
-    lines += [_end_row(reports, parameters, model) for parameters, model in KINDS]
-    lines += [_force_row(reports, parameters) for parameters in (UNFITTED, FITTED)]
-    lines += ['', '| identified from five pushes | centre of friction x, y [mm] | contact '
-              'friction |', '| --- | --- | --- |']
-    lines += map(_identification_row, reports)
+    columns: list[tuple[str, Write]] = [
+        (method.value, lambda chosen, method=method: _ends(chosen, method)) for method in Method]
+    lines = _table('end of a push: median (90 of 100)', reports, columns)
+    forces: list[tuple[str, Write]] = [
+        (method.value, lambda chosen, method=method: _forces(chosen, method))
+        for method in (Method.UNFITTED, Method.IDENTIFIED)]
+    lines += ['', *_table('direction of the force, size over the recorded one', reports, forces)]
+    lines += ['', *_identifications(reports)]
     return '\n'.join([*lines, '', f'![Errors of the predicted ends]({picture})', ''])
 
 
-def _row(head: str, cells: Sequence[str]) -> str:
-    return f'| {head} | {" | ".join(cells)} |'
+def repeats_text(repeats: Repeats) -> str:
+    """Write how well pushes repeat."""
+    return (f'{len(repeats.position)} repeats of {repeats.cases} pushes, of '
+            f'{MILLIMETRES * repeats.travel:.0f} mm in the median, end '
+            f'{_pair(MILLIMETRES * repeats.position)} mm and '
+            f'{_pair(np.degrees(repeats.heading))}° from the mean of their case: median (90 of '
+            '100).')
 
 
-def _end_row(reports: Sequence[RecordingReport], parameters: str, model: str) -> str:
-    """Write the errors of pose in which pushes end, recording by recording and all together."""
-    rows = select(reports, parameters, model)
-    rows = [*rows, _pooled(rows)]
-    return _row(f'{model}, {parameters}',
-                [f'{_pair(MILLIMETRES * errors.position)} mm, '
-                 f'{_pair(np.degrees(errors.heading))}°' for errors in rows])
+def _is_patch(report: RecordingReport) -> bool:
+    return report.recording.name.endswith(PATCH)
 
 
-def _force_row(reports: Sequence[RecordingReport], parameters: str) -> str:
-    """Write the errors of the contact force, recording by recording and all together."""
-    rows = select(reports, parameters, QUASI_STATIC)
-    rows = [*rows, _pooled(rows)]
-    return _row(f'direction of the force, size over the recorded one, {parameters}',
-                [f'{_pair(np.degrees(errors.force_direction))}°, '
-                 f'{np.median(errors.force_ratio):.2f}' for errors in rows])
+def _row(cells: Sequence[str]) -> str:
+    return f'| {" | ".join(cells)} |'
 
 
-def _identification_row(report: RecordingReport) -> str:
-    """Write what was identified, with its 95 % interval."""
-    estimate, friction = report.identification, report.identification.contact_friction
-    center = [f'{MILLIMETRES * interval.value:.1f} ({MILLIMETRES * interval.low:.1f} to '
-              f'{MILLIMETRES * interval.high:.1f})'
-              for interval in (estimate.friction_center_x, estimate.friction_center_y)]
-    return _row(_short(report.recording.name), [
-        ', '.join(center), f'{friction.value:.2f} ({friction.low:.2f} to {friction.high:.2f})'])
+def _table(head: str, reports: Sequence[RecordingReport],
+           columns: Sequence[tuple[str, Write]]) -> list[str]:
+    """Write a row for each recording, and one for each group of them."""
+    identified = [one for one in reports if one.identification]
+    held_back = [one for one in reports if not one.identification]
+    on_feet = [one for one in held_back if not _is_patch(one)]
+    rows = [(_short(one.recording.name), [one]) for one in reports]
+    rows += [(name, chosen) for name, chosen in (
+        ('**sets that identify**', identified), ('**held back, on feet**', on_feet),
+        ('**held back, without feet**', [one for one in held_back if _is_patch(one)]),
+        ('**all on feet**', [*identified, *on_feet])) if chosen]
+    return [_row([head, *(name for name, _ in columns)]), _row(['---'] * (1 + len(columns))),
+            *(_row([name, *(write(chosen) for _, write in columns)]) for name, chosen in rows)]
+
+
+def _ends(reports: Sequence[RecordingReport], method: Method) -> str:
+    errors = pooled(reports, method)
+    return (f'{_pair(MILLIMETRES * errors.position)} mm, '
+            f'{_pair(np.degrees(errors.heading))}°')
+
+
+def _forces(reports: Sequence[RecordingReport], method: Method) -> str:
+    directions, ratios = (np.concatenate(column) for column in zip(
+        *(one.forces[method] for one in reports)))
+    return f'{_pair(np.degrees(directions))}°, {np.median(ratios):.2f}'
+
+
+def _identifications(reports: Sequence[RecordingReport]) -> list[str]:
+    """Write what was identified, with 95 % intervals."""
+    estimates = [(one.recording.name, one.identification) for one in reports
+                 if one.identification]
+    friction = estimates[0][1].contact_friction
+    lines = [f'Identified contact friction of rod and block: {friction.value:.2f} '
+             f'({friction.low:.2f} to {friction.high:.2f}).', '',
+             _row(['identified from five pushes', 'centre of friction x, y [mm]', 'c^2 over that '
+                   'of statics', 'friction as statics has it']), _row(['---'] * 4)]
+    for name, estimate in estimates:
+        center = [f'{MILLIMETRES * interval.value:.1f} ({MILLIMETRES * interval.low:.1f} to '
+                  f'{MILLIMETRES * interval.high:.1f})'
+                  for interval in (estimate.friction_center_x, estimate.friction_center_y)]
+        ratio = estimate.c_squared_ratio
+        lines.append(_row([_short(name), ', '.join(center), f'{ratio.value:.2f} ({ratio.low:.2f} '
+                           f'to {ratio.high:.2f})', 'no' if estimate.is_free else 'yes']))
+    return lines
 
 
 def save_picture(reports: Sequence[RecordingReport], path: Path) -> None:
@@ -93,13 +112,13 @@ def save_picture(reports: Sequence[RecordingReport], path: Path) -> None:
         figure = Figure(figsize=(7.6, 3.6), layout='constrained')
         FigureCanvasAgg(figure)
         left, right = figure.subplots(1, 2, sharey=True)
-        for index, (parameters, model) in enumerate(KINDS):
-            pooled = _pooled(select(reports, parameters, model))
+        for index, method in enumerate(Method):
+            errors = pooled(reports, method)
             style = plot_style.series(index)
-            fractions = np.arange(1, len(pooled.position) + 1) / len(pooled.position)
-            left.plot(np.sort(MILLIMETRES * pooled.position), fractions,
-                      label=f'{model}, {parameters}', **style)
-            right.plot(np.sort(np.degrees(pooled.heading)), fractions, **style)
+            fractions = np.arange(1, len(errors.position) + 1) / len(errors.position)
+            left.plot(np.sort(MILLIMETRES * errors.position), fractions, label=method.value,
+                      **style)
+            right.plot(np.sort(np.degrees(errors.heading)), fractions, **style)
         for axes, label, limit in ((left, 'error of the end [mm]', 10.0),
                                    (right, 'error of the heading [deg]', 5.0)):
             axes.set_xlabel(label)
@@ -110,10 +129,15 @@ def save_picture(reports: Sequence[RecordingReport], path: Path) -> None:
         figure.savefig(path, dpi=plot_style.DPI, metadata={'Software': None})
 
 
-def _pooled(selected: Sequence[Errors]) -> Errors:
-    return Errors('all', selected[0].model, selected[0].parameters,
-                  *(np.concatenate([getattr(errors, name) for errors in selected])
-                    for name in ('position', 'heading', 'force_direction', 'force_ratio')))
+def pooled(reports: Sequence[RecordingReport], method: Method) -> Errors:
+    """
+    Join the errors of recordings.
+
+    :param reports: of the recordings.
+    :param method: that predicts.
+    """
+    return Errors(*(np.concatenate(column) for column in zip(
+        *(one.errors[method] for one in reports))))
 
 
 def _pair(values: FloatArray) -> str:
@@ -125,5 +149,7 @@ def _pair(values: FloatArray) -> str:
 def _short(name: str) -> str:
     """Name floor and feet as a reader finds them."""
     floor, *coordinates = name.split('_')
+    if coordinates == [PATCH]:
+        return f'{floor}, without feet'
     return f'{floor}, feet ' + ' '.join(
         f'({x}, {y})' for x, y in zip(coordinates[:3], coordinates[3:]))

@@ -29,6 +29,18 @@ COMMAND = re.compile(r'(?:python -m|\bm) (benchmarks[\w.]*|studies|docs\.tools\.
 EXAMPLE = re.compile(r'```python\n(.*?)```', re.DOTALL)
 
 
+# Name and year: how pages cite, and how entries of the bibliography are called.
+CITATION = re.compile(r'(?<![\w/.-])([a-z]{2,}(?:19|20)\d\d)(?![\w/-])')
+
+
+def test_each_citation_has_an_entry_and_each_entry_is_cited():
+    entries = set(re.findall(r'^@\w+\{(\w+),', (ROOT / 'docs/references.bib').read_text(
+        encoding='utf-8'), re.MULTILINE))
+    cited = {key for page, text in TEXTS.items() if page.startswith('docs/')
+             for key in CITATION.findall(text)}
+    assert cited == entries
+
+
 def heading_anchors(text):
     """Name the headings of a page as the links to them do."""
     headings = re.findall(r'^#+ (.+)$', text, re.MULTILINE)

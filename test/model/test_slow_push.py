@@ -5,8 +5,7 @@ import math
 
 from helpers.objects import bin_, box
 import numpy as np
-from push_model.analysis.sliding_contact import SupportArrays
-from push_model.analysis.slow_push import integrate_slow_pushes, Shape
+from push_model.analysis.slow_push import integrate_slow_pushes, LoadedSupports, Shape
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
 from push_model.signals import Twist
@@ -20,7 +19,9 @@ RADIUS = 0.17
 ROBOT = RoundRobot(RADIUS, 'holonomic', time_constant=0.0, max_acceleration=100.0)
 
 
-@pytest.mark.parametrize('obj, reach', [(box(), 0.2), (bin_(), bin_().radius)])
+@pytest.mark.parametrize('obj, reach', [
+    (box(), 0.2), (bin_(), bin_().radius),
+    (dataclasses.replace(box(), contact_height=0.15, center_of_mass_height=0.1), 0.2)])
 def test_pushes_end_where_those_of_the_plant_do(obj, reach):
     """Ahead, beside the middle, and so inclined that the contact slides."""
     obj = dataclasses.replace(obj, contact_friction_coefficient=0.4)
@@ -35,7 +36,7 @@ def test_pushes_end_where_those_of_the_plant_do(obj, reach):
                                       np.full(len(travel), angle)]))
         starts.append((0.0, 0.0, 0.0))
         ends.append(plant.object_pose)
-    found = integrate_slow_pushes(Shape.of(obj), SupportArrays.of(obj), 0.4, RADIUS,
+    found = integrate_slow_pushes(Shape.of(obj), LoadedSupports.of(obj), 0.4, RADIUS,
                                   np.array(starts), np.array(paths))
     assert found.poses[:, -1] == pytest.approx(np.array(ends), abs=1e-3)
     assert (found.slides != 0).any(axis=1).tolist()[2:] == [True, True]

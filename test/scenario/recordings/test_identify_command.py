@@ -2,8 +2,8 @@
 
 import dataclasses
 
+from benchmarks.identification.recording import record_pushes
 from helpers.extras import import_extra
-from helpers.recorded_pushes import record_pushes
 import numpy as np
 from push_model.files.data import config_file
 from push_model.files.parameter_files import read_object, read_robot
@@ -47,6 +47,12 @@ def test_a_recording_becomes_an_object_file(tmp_path, capsys):
     assert cli.main([str(tmp_path / 'nowhere'), *words]) == 2
     assert 'expected a rosbag2 recording' in capsys.readouterr().err
     assert out.read_text(encoding='utf-8').splitlines()[1:] == first
+
+
+def test_each_bag_has_an_object_and_a_file(tmp_path, capsys):
+    assert cli.main([str(tmp_path / 'a'), str(tmp_path / 'b'), '--object', 'box_04', '--robot',
+                     'holonomic_017']) == 2
+    assert '--object: got 1, expected one for each of the 2 bags' in capsys.readouterr().err
 
 
 def test_a_file_that_cannot_be_written_is_named_at_once(tmp_path, capsys):

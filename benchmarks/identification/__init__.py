@@ -1,0 +1,1 @@
+"""Identification of friction from pushes of simulated objects, whose friction is known."""
