@@ -16,29 +16,24 @@ from pathlib import Path
 import time
 from typing import NamedTuple
 
-from benchmarks.faults.effect import effect_time
 from benchmarks.faults.injection import (
-    Fault, Injection, Input, SentCommand, SIMULATED, Word, words_of,
+    Fault, Injection, Input, SIMULATED, Word, words_of,
 )
-from benchmarks.faults.node_rig import final_reason, run_node
+from benchmarks.faults.node_rig import final_report, Report, run_node
 from benchmarks.faults.process_rig import (
     append_process_row, process_faults, process_rig, read_process_rows,
 )
 from benchmarks.faults.random_faults import draw_case, run_many, run_random, summary
 from benchmarks.faults.report import Findings, stop_table, table, write_report
 from benchmarks.faults.row import append_row, Ending, read_rows, Row
+from benchmarks.faults.simulated import Record, Simulated, simulated_record
 from benchmarks.faults.soak import read_tasks, run_soak, soak_table
-from benchmarks.faults.verdict import (
-    deviation, deviation_limit, is_truly_done, Record, Simulated, simulated_record, stands,
-)
+from benchmarks.faults.verdict import evaluate
 import numpy as np
-from push_model.geometry import FloatArray
-from push_model.signals import STOP
 from push_scenario.definition.loader import load_scenario
 from push_scenario.parallel import available_cores
-from push_sim_node.tape import Tape
 
-REPORT = Path(__file__).parents[2] / 'docs' / 'control' / 'faults.md'
+REPORT = Path(__file__).parents[2] / 'docs' / 'reports' / 'faults.md'
 FOLDER = Path('out') / 'faults'
 ROWS, PROCESS_ROWS, SOAK_TASKS = 'runs.jsonl', 'processes.jsonl', 'soak.jsonl'
 RANDOM_ROWS = 'random.jsonl'
@@ -113,49 +108,18 @@ def _run_node(case: Case, time_after: float) -> Row:
     scenario, fault = load_scenario(case.scenario), case.fault
     until = fault.end if fault.is_temporary else fault.start
     done = run_node(scenario, fault, until + min(time_after, NODE_TIME_AFTER))
-    last = done.reports[-1].text
-    ending = next((ending for ending in (Ending.DONE, Ending.FAILED)
-                   if last.startswith(f'task: {ending.value}')), Ending.WAITS)
-    reason = '' if ending is Ending.DONE else final_reason(done.reports)
-    return _evaluate(case, Simulated(
-        Record(scenario, done.simulation.tape, done.plans, done.sent), ending, reason))
+    ending = done.ending
+    reason = Report('') if ending is Ending.DONE else final_report(done.reports)
+    record = Record(scenario, done.simulation.tape, done.plans, done.sent, done.end_time)
+    return _evaluate(case, Simulated(record, ending, reason.text, reason.codes))
 
 
 def _evaluate(case: Case, simulated: Simulated) -> Row:
-    """Judge a run."""
-    fault, (record, ending, reason) = case.fault, simulated
-    start = fault.start
-    if fault.input is Input.COMMAND:
-        start = effect_time(record.scenario.true_robot, fault, record.tape, record.sent)
-    elif fault.input in SIMULATED and fault.word is Word.INTERMITTENT:
-        start = fault.first_gap
-    stop_time = _stop_time(record.sent, start, fault)
-    distance = deviation(record, fault, stop_time)
-    is_explained = is_truly_done(record, fault) if ending is Ending.DONE else bool(reason)
-    if ending is Ending.WAITS and fault.input is not Input.GOAL:
-        # A robot whose goal changes all the time drives to the newest one.
-        is_explained = is_explained and stands(record.sent)
-    if fault.input is not Input.COMMAND:
-        is_explained = is_explained and distance <= deviation_limit(fault)
-    return Row(case.scenario, fault, ending, reason, is_explained, stop_time - start,
-               _driven(record.tape, start, stop_time), distance)
-
-
-def _stop_time(commands: Sequence[SentCommand], start: float, fault: Fault) -> float:
-    """Find when the robot first commands zero from a time on, during a fault; nan: never [s]."""
-    return next((sent.time for sent in commands
-                 if start <= sent.time < fault.end and sent.twist == STOP), math.nan)
-
-
-def _driven(tape: Tape, start: float, end: float) -> float:
-    """Sum up what the robot drives between two times; nan where one is [m]."""
-    times, poses = tape['time'], np.array(tape.poses('robot'))
-    within = poses[(times >= start) & (times <= end)]
-    return math.nan if math.isnan(end) else _length(within)
-
-
-def _length(poses: FloatArray) -> float:
-    return float(np.hypot(*np.diff(poses[:, :2], axis=0).T).sum())
+    """Evaluate a run."""
+    verdict = evaluate(case.fault, simulated)
+    return Row(case.scenario, case.fault, simulated.ending, simulated.reason, simulated.codes,
+               tuple(violation.name for violation in verdict.violations),
+               *verdict.stop, verdict.deviation)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -163,7 +127,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Run the campaign and write the report.
 
     :param arguments: command line; None for that of the process.
-    :return: exit status: 1 where a run has ended unexplained, or a task of the soak undone.
+    :return: exit status: 1 where a run has not ended as it should, or a task of the soak undone.
     """
     options = _parser().parse_args(arguments)
     try:
@@ -186,7 +150,7 @@ def _run(options: argparse.Namespace) -> int:
         _run_cases(cases, options.folder / ROWS, options.jobs)
         rows = read_rows(options.folder / ROWS)
         print('\n\n'.join([stop_table(rows), table(rows)]))
-        return int(any(not row.is_explained for row in rows))
+        return int(any(not row.is_ok for row in rows))
     if not options.only_soak:
         _run_cases(draw(scenarios, options.seed, options.count), options.folder / ROWS,
                    options.jobs)
@@ -203,7 +167,7 @@ def _run(options: argparse.Namespace) -> int:
             if Case(row.scenario, row.fault) in drawn]
     processes = read_process_rows(options.folder / PROCESS_ROWS)
     write_report(options.report, Findings(rows, processes, soak), chosen)
-    return int(any(not row.is_explained for row in [*rows, *processes])
+    return int(any(not row.is_ok for row in [*rows, *processes])
                or not all(task.is_done for task in soak))
 
 
@@ -236,13 +200,13 @@ def _run_random(options: argparse.Namespace) -> int:
     if options.run is not None:
         row = run_random(draw_case(options.seed, options.run))
         print(row)
-        return int(not row.is_explained)
+        return int(not row.is_ok)
     path = options.folder / RANDOM_ROWS
     if not options.resume:
         path.unlink(missing_ok=True)
     rows = run_many(options.seed, options.random, path, options.jobs)
     print(summary(rows))
-    return int(not all(row.is_explained for row in rows))
+    return int(not all(row.is_ok for row in rows))
 
 
 def _run_cases(cases: Sequence[Case], path: Path, jobs: int) -> None:

@@ -98,9 +98,9 @@ class Fault(NamedTuple):
 
     @property
     def first_gap(self) -> float:
-        """When an input that is intermittent first does not come [s]."""
+        """When an input that is intermittent first does not come for a whole gap [s]."""
         phase = self.start % PERIOD
-        return self.start if phase < GAP else self.start - phase + PERIOD
+        return self.start - phase + PERIOD if phase else self.start
 
     @property
     def is_temporary(self) -> bool:

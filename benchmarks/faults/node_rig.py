@@ -14,7 +14,9 @@ import tempfile
 import time
 from typing import Any, NamedTuple
 
+from benchmarks.faults.expectations import Notice, notices
 from benchmarks.faults.injection import Fault, GAP, Input, OFFSET, PERIOD, SentCommand, Word
+from benchmarks.faults.row import Ending
 from geometry_msgs.msg import PoseStamped
 import numpy as np
 from push_control.controller_node import ControllerNode
@@ -32,6 +34,7 @@ from push_ros.conversions.plan import no_plan_message, to_plan_message
 from push_ros.conversions.primitives import (
     from_twist_message, nanoseconds, to_pose_message, to_stamp,
 )
+from push_ros.diagnostics import ERROR, status_values
 from push_ros.executor import take_message
 from push_ros.topics import CONTROLLER, TOPICS
 from push_scenario.dds.parameter_files import write_parameter_files
@@ -45,6 +48,9 @@ from rclpy.executors import SingleThreadedExecutor
 FRAME = 'odom'
 # Beginning of the clock [s]: stamps of a computer, which count from 1970, and not of a simulator.
 EPOCH = 1.8e9
+# Endings by state of the task, and time after one in which the robot comes to rest [s].
+ENDINGS = {'done': Ending.DONE, 'failed': Ending.FAILED}
+SETTLE_TIME = 1.0
 # When the goal is set, and the map before it [s].
 GOAL_TIME, MAP_TIME = 0.1, 0.0
 # Planning time [s]; as in one process.
@@ -66,10 +72,22 @@ WITHHELD_TIME = 0.003
 
 
 class Report(NamedTuple):
-    """What the node has reported: a state and its reason."""
+    """
+    What the node has reported: a state and its reason.
+
+    :param text: one sentence.
+    :param state: of the task, as of ``TaskState``; empty where the report is of something else.
+    :param codes: names of the codes of the reason.
+    """
 
     text: str
-    is_error: bool
+    is_error: bool = False
+    state: str = ''
+    codes: tuple[str, ...] = ()
+
+
+# A node that was never asked for anything.
+NO_GOAL = Report(Notice.NO_GOAL.value, codes=(str(Notice.NO_GOAL),))
 
 
 class NodeRun(NamedTuple):
@@ -80,12 +98,19 @@ class NodeRun(NamedTuple):
     :param plans: every ``PushTrajectory`` that was sent in truth.
     :param sent: each ``SentCommand``.
     :param reports: each ``Report`` that differs from the one before.
+    :param end_time: when it was over [s]; what comes after that shows whether the robot stands.
     """
 
     simulation: Any
     plans: list[PushTrajectory]
     sent: list[SentCommand]
     reports: list[Report]
+    end_time: float
+
+    @property
+    def ending(self) -> Ending:
+        """The ``Ending``."""
+        return ENDINGS.get(self.reports[-1].state, Ending.WAITS)
 
 
 def run_node(scenario: Scenario, fault: Fault, time_limit: float, seed: int = 0) -> NodeRun:
@@ -103,8 +128,8 @@ def run_node(scenario: Scenario, fault: Fault, time_limit: float, seed: int = 0)
                                            Path(folder) / 'tape', real_time=False, stamped=True)
         with _controller(parameters[CONTROLLER], domain) as controller:
             rig = _Rig(scenario, fault, controller, np.random.default_rng(seed))
-            rig.run(time_limit)
-            return NodeRun(rig.simulation, rig.plans, rig.sent, rig.reports)
+            end_time = rig.run(time_limit)
+            return NodeRun(rig.simulation, rig.plans, rig.sent, rig.reports, end_time)
 
 
 @contextlib.contextmanager
@@ -164,20 +189,24 @@ class _Rig:
         if fault.input is Input.MAP:
             self._due.append((MAP_TIME, 'map', self._map()))
 
-    def run(self, time_limit: float) -> None:
-        """Go on until the task has ended, or time is up."""
-        simulation = self.simulation
-        while simulation.time < time_limit:
+    def run(self, time_limit: float) -> float:
+        """
+        Go on until the task has ended, or time is up, and the robot has come to rest.
+
+        :return: when it has ended [s].
+        """
+        simulation, end = self.simulation, time_limit
+        while simulation.time < end + SETTLE_TIME:
             measured = simulation.next_measurement()
             self._spoil()
             self._publish_due()
             self._answer(measured)
             is_over = not self._is_active and simulation.time > self._last_change
-            if is_over and self.reports and self.reports[-1].text.startswith(
-                    ('task: done', 'task: failed')):
-                break
+            if is_over and self.reports and self.reports[-1].state in ENDINGS:
+                end = min(end, simulation.time)
         self._node.destroy_node()
         self._executor.shutdown()
+        return end
 
     @property
     def _last_change(self) -> float:
@@ -253,7 +282,9 @@ class _Rig:
         message = take_message(self._inputs['diagnostics'])
         while message is not None:
             for status in message.status:
-                report = Report(status.message, status.level == b'\x02')
+                values = status_values(status)
+                report = Report(status.message, status.level == ERROR, values.get('state', ''),
+                                (*values.get('codes', '').split(), *notices(status.message)))
                 if report != (self.reports[-1] if self.reports else None):
                     self.reports.append(report)
             message = take_message(self._inputs['diagnostics'])
@@ -384,20 +415,20 @@ def _moved(trajectory: PushTrajectory, offset: Pose) -> PushTrajectory:
         contact_poses=moved(trajectory.contact_poses), robot_poses=moved(trajectory.robot_poses))
 
 
-def final_reason(reports: list[Report]) -> str:
+def final_report(reports: list[Report]) -> Report:
     """
     Find why a run is as it is.
 
     :param reports: of the run.
-    :return: reason behind the state, or the last error; empty where there is none.
+    :return: ``Report`` of the reason behind the state, or the last error; what it says of the
+        state is left out.
     """
-    tasks = [report.text for report in reports if report.text.startswith('task: ')]
-    reasons = [text.partition(', ')[2] for text in tasks]
-    others = [report.text for report in reports if report.text not in tasks]
-    errors = [report.text for report in reports if report.is_error]
-    candidates = [*reasons[-1:], *errors[-1:], *others[-1:], *filter(None, reasons[::-1])]
-    is_idle = tasks[-1:] == ['task: idle']
-    return next(filter(None, candidates), 'waits for a goal' if is_idle else '')
+    tasks = [report for report in reports if report.state]
+    others = [report for report in reports if not report.state]
+    reasons = [report._replace(text=report.text.partition(', ')[2]) for report in tasks]
+    errors = [report for report in others if report.is_error]
+    candidates = [*reasons[-1:], *errors[-1:], *others[-1:], *reasons[::-1]]
+    return next((report for report in candidates if report.text), NO_GOAL)
 
 
 def _ignore(_: Any) -> None:

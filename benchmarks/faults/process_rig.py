@@ -7,7 +7,7 @@ stand or to go on by itself, and to say so. A controller that was lost has forgo
 a simulator that was lost its world: then somebody has to set the next goal.
 """
 
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Sequence
 import contextlib
 import enum
 import math
@@ -17,16 +17,20 @@ import tempfile
 import time
 from typing import NamedTuple
 
-from benchmarks.faults.row import append_line, Ending, read_lines
+from benchmarks.faults.expectations import Notice, notices
+from benchmarks.faults.row import append_line, Ending, read_lines, violation_text
+from benchmarks.faults.verdict import Violation
 from diagnostic_msgs.msg import DiagnosticArray
 from nav_msgs.msg import Odometry
 import numpy as np
+from push_control.events import TaskEvent
 from push_control.task.status import TaskState
 from push_model.geometry import Pose
 from push_ros.conversions.primitives import from_twist_message
 from push_ros.diagnostics import ERROR, status_values
 from push_ros.node_settings import Frames
 from push_ros.topics import CONTROLLER, PLANNER, SIM
+from push_safety.status import SafetyReason
 from push_scenario.dds.parameter_files import write_parameter_files
 from push_scenario.dds.private_network import private_domain
 from push_scenario.dds.processes import NodeProcesses
@@ -89,7 +93,8 @@ class ProcessRow(NamedTuple):
     :param fault: the ``ProcessFault``.
     :param ending: the ``Ending``.
     :param reason: as reported, one sentence.
-    :param is_explained: whether it is done, or the robot stands and there is a reason.
+    :param codes: names of the codes of the reason.
+    :param violations: names of each ``Violation``; empty where it ended as it should.
     :param stop_time: time on the wall after which the robot first stands [s]; nan where it never
         does, or cannot be seen.
     """
@@ -97,14 +102,20 @@ class ProcessRow(NamedTuple):
     fault: ProcessFault
     ending: Ending
     reason: str
-    is_explained: bool
+    codes: tuple[str, ...]
+    violations: tuple[str, ...]
     stop_time: float
+
+    @property
+    def is_ok(self) -> bool:
+        """Whether the run ended as it should."""
+        return not self.violations
 
     def __str__(self) -> str:
         """Write one line."""
         return (f'{self.fault}: {self.ending.value}' + (f', {self.reason}' if self.reason else '')
                 + f' (stands after {self.stop_time:.2f} s)'
-                + ('' if self.is_explained else ' UNEXPLAINED'))
+                + violation_text(self.violations))
 
 
 def process_faults() -> list[ProcessFault]:
@@ -115,6 +126,30 @@ def process_faults() -> list[ProcessFault]:
             if node is not SIM or state is not TaskState.PLAN]
 
 
+# Codes that name what has happened where a task is not done after it.
+LOST_GOAL = frozenset({str(Notice.NO_GOAL)})
+REASONS = {
+    PLANNER: frozenset(map(str, (TaskEvent.NOBODY_PLANS, TaskEvent.PLANNER_SILENT))),
+    CONTROLLER: LOST_GOAL,
+    SIM: frozenset(map(str, (TaskEvent.TIME_WENT_BACK, Notice.TIME_WENT_BACK,
+                             Notice.NO_ODOMETRY, SafetyReason.ODOMETRY_WAS_MISSING)))}
+
+
+def process_violations(fault: ProcessFault, ending: Ending, codes: Sequence[str],
+                       stands: bool) -> tuple[str, ...]:
+    """
+    Check how a task with a fault has ended.
+
+    :param codes: names of the codes of the reason.
+    :param stands: whether the robot stands in the end.
+    :return: names of each ``Violation``.
+    """
+    names_fault = not REASONS[fault.node].isdisjoint(codes)
+    return tuple(violation.name for violation, is_so in (
+        (Violation.STILL_DRIVES, not stands),
+        (Violation.WRONG_REASON, ending is not Ending.DONE and not names_fault)) if is_so)
+
+
 class _Monitor:
     """What the nodes have reported: state of the task, errors, and how the robot moves."""
 
@@ -122,6 +157,7 @@ class _Monitor:
         self.nodes: set[str] = set()
         self.state = TaskState.IDLE
         self.reason = self.error = ''
+        self.codes: tuple[str, ...] = ()
         self.changed_at = self.odometry_at = -math.inf
         self.stands = True
         # When it first stood since it was watched; nan before.
@@ -149,8 +185,9 @@ class _Monitor:
                 values = status_values(status)
                 if status.name == CONTROLLER and 'state' in values:
                     self._on_state(TaskState(values['state']), values['reason'])
+                    self.codes = tuple(values.get('codes', '').split())
                 elif status.name == CONTROLLER:
-                    self.reason = status.message
+                    self.reason, self.codes = status.message, notices(status.message)
 
     def _on_state(self, state: TaskState, reason: str) -> None:
         if (state, reason) != (self.state, self.reason):
@@ -206,11 +243,13 @@ class ProcessRig:
             self._client.pump()
         ending = {TaskState.DONE: Ending.DONE, TaskState.FAILED: Ending.FAILED}.get(
             monitor.state, Ending.WAITS)
-        reason = monitor.reason or monitor.error
-        if ending is Ending.WAITS and monitor.state is TaskState.IDLE:
-            reason = reason or 'waits for a goal'
-        is_explained = ending is Ending.DONE or monitor.stands and bool(reason)
-        return ProcessRow(fault, ending, '' if ending is Ending.DONE else reason, is_explained,
+        reason, codes = monitor.reason or monitor.error, monitor.codes
+        if ending is Ending.WAITS and monitor.state is TaskState.IDLE and not reason:
+            reason, codes = Notice.NO_GOAL.value, (str(Notice.NO_GOAL),)
+        if ending is Ending.DONE:
+            reason, codes = '', ()
+        return ProcessRow(fault, ending, reason, codes,
+                          process_violations(fault, ending, codes, monitor.stands),
                           monitor.stood_at - struck_at)
 
     def _reach(self, state: TaskState) -> None:
@@ -324,6 +363,7 @@ def read_process_rows(path: Path) -> list[ProcessRow]:
     for values in read_lines(path):
         node, strike, state = values['fault']
         values.update(fault=ProcessFault(node, Strike(strike), TaskState(state)),
-                      ending=Ending(values['ending']))
+                      ending=Ending(values['ending']), codes=tuple(values['codes']),
+                      violations=tuple(values['violations']))
         rows.append(ProcessRow(**values))
     return rows

@@ -13,11 +13,11 @@ import multiprocessing
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from benchmarks.faults.expectations import expectation_of
 from benchmarks.faults.injection import Fault, Injection, Input, SIMULATED, Word, words_of
-from benchmarks.faults.row import append_line, Ending, read_lines
-from benchmarks.faults.verdict import (
-    is_truly_done, offset_of, Record, simulated_record, stands,
-)
+from benchmarks.faults.row import append_line, Ending, read_lines, violation_text
+from benchmarks.faults.simulated import Record, simulated_record
+from benchmarks.faults.verdict import ending_violations, offset_of, Violation
 from benchmarks.tasks.cases import draw as draw_task, KINDS, OPEN
 import numpy as np
 from push_scenario.definition.catalogue import scenario_names
@@ -77,8 +77,7 @@ class RandomRow(NamedTuple):
     :param case: the ``RandomCase``.
     :param ending: the ``Ending``.
     :param reason: as reported, one sentence.
-    :param is_explained: whether it is done in truth, or stands with a reason and the object was
-        not taken away.
+    :param violations: names of each ``Violation``; empty where the run ended as it should.
     :param recession: by how much farther the object got from its goal than it was when the first
         fault began [m].
     """
@@ -86,14 +85,20 @@ class RandomRow(NamedTuple):
     case: RandomCase
     ending: Ending
     reason: str
-    is_explained: bool
+    violations: tuple[str, ...]
     recession: float
+
+    @property
+    def is_ok(self) -> bool:
+        """Whether the run ended as it should."""
+        return not self.violations
 
     def __str__(self) -> str:
         """Write one line."""
         return (f'{self.case}: {self.ending.value}' + (f', {self.reason}' if self.reason else '')
                 + f' (object up to {self.recession:.2f} m farther from its goal)'
-                + ('' if self.is_explained else f' UNEXPLAINED: {self.case.command}'))
+                + violation_text(self.violations)
+                + ('' if self.is_ok else f': {self.case.command}'))
 
 
 def draw_case(seed: int, number: int) -> RandomCase:
@@ -131,14 +136,13 @@ def run_random(case: RandomCase) -> RandomRow:
     end = max(fault.end for fault in case.faults)
     simulated = simulated_record(scenario, injections, end + TIME_AFTER)
     recession = _recession(simulated.record, case.faults[0].start)
-    is_explained = (is_truly_done(simulated.record) if simulated.ending is Ending.DONE
-                    else bool(simulated.reason))
-    if simulated.ending is Ending.WAITS:
-        is_explained = is_explained and stands(simulated.record.sent)
+    reasons = frozenset[str]().union(*(expectation_of(fault).reasons for fault in case.faults))
+    violations = ending_violations(simulated, reasons, None)
     if simulated.ending is not Ending.DONE and _counts_recession(scenario, case.faults):
         limit = MAX_RECESSION + max(map(offset_of, case.faults))
-        is_explained = is_explained and recession <= limit
-    return RandomRow(case, simulated.ending, simulated.reason, is_explained, recession)
+        violations += [Violation.OBJECT_MOVED] if recession > limit else []
+    return RandomRow(case, simulated.ending, simulated.reason,
+                     tuple(violation.name for violation in violations), recession)
 
 
 def _scenario(task: str) -> Scenario:
@@ -162,7 +166,7 @@ def _counts_recession(scenario: Scenario, faults: Sequence[Fault]) -> bool:
 
 def run_many(seed: int, count: int, path: Path, jobs: int) -> list[RandomRow]:
     """
-    Simulate the runs that are not in a file yet, and print those that end unexplained.
+    Simulate the runs that are not in a file yet, and print those that are not as expected.
 
     What was done before an interruption is kept.
 
@@ -182,7 +186,7 @@ def run_many(seed: int, count: int, path: Path, jobs: int) -> list[RandomRow]:
             row = future.result()
             append_random_row(path, row)
             known[row.case] = row
-            if not row.is_explained:
+            if not row.is_ok:
                 print(row, flush=True)
     finally:
         pool.shutdown(cancel_futures=True)
@@ -196,10 +200,10 @@ def summary(rows: Sequence[RandomRow]) -> str:
     :param rows: each ``RandomRow``.
     """
     counts = {ending: sum(row.ending is ending for row in rows) for ending in Ending}
-    unexplained = sum(not row.is_explained for row in rows)
+    failing = sum(not row.is_ok for row in rows)
     return (f'{len(rows)} runs with random faults: '
             + ', '.join(f'{count} {ending.value}' for ending, count in counts.items())
-            + f'; {unexplained} unexplained')
+            + f'; {failing} not as they should')
 
 
 def append_random_row(path: Path, row: RandomRow) -> None:
@@ -214,7 +218,7 @@ def append_random_row(path: Path, row: RandomRow) -> None:
         'seed': case.seed, 'number': case.number, 'task': case.task,
         'faults': [[fault.input.value, fault.word.value, fault.start, fault.end]
                    for fault in case.faults],
-        'ending': row.ending.value, 'reason': row.reason, 'is_explained': row.is_explained,
+        'ending': row.ending.value, 'reason': row.reason, 'violations': row.violations,
         'recession': row.recession})
 
 
@@ -231,5 +235,5 @@ def _row(values: dict[str, Any]) -> RandomRow:
     faults = tuple(Fault(Input(kind), Word(word), start, end)
                    for kind, word, start, end in values['faults'])
     case = RandomCase(values['seed'], values['number'], values['task'], faults)
-    return RandomRow(case, Ending(values['ending']), values['reason'], values['is_explained'],
+    return RandomRow(case, Ending(values['ending']), values['reason'], tuple(values['violations']),
                      values['recession'])

@@ -7,15 +7,17 @@ from pathlib import Path
 import re
 from typing import NamedTuple
 
+from benchmarks.faults.expectations import EXPECTATIONS, HARMLESS_NOTE
 from benchmarks.faults.injection import Input, Word
 from benchmarks.faults.process_rig import ProcessRow
-from benchmarks.faults.row import Ending, Row
+from benchmarks.faults.row import Ending, Row, violation_text
 from benchmarks.faults.soak import soak_table, SoakTask
+from benchmarks.faults.verdict import Violation
 from benchmarks.report_template import fill_template
 import numpy as np
 
 TEMPLATE = Path(__file__).parent / 'faults.md.in'
-HEADER = ('fault', 'runs', 'done', 'failed', 'waits', 'unexplained', 'stops after [s]: median',
+HEADER = ('fault', 'runs', 'done', 'failed', 'waits', 'violations', 'stops after [s]: median',
           'worst', 'drives until then [m], worst', 'object beside its plans [m], worst',
           'most frequent reason')
 # Numbers and quantities, by which reasons differ that are the same.
@@ -27,6 +29,8 @@ FIGURES = re.compile(r'\(.*?\)|[-\d.]+')
 SHOWN = (Input.ODOMETRY, Input.POSE), (Word.OFF, Word.STUCK, Word.GARBAGE)
 MOVED = (Input.COMMAND,), (Word.OFF, Word.STUCK, Word.GARBAGE, Word.WRONG)
 PROCESS_HEADER = ('process', 'state of the task', 'task', 'reason', 'stands after [s]')
+BOUND_HEADER = ('fault', 'stops within [s]', 'drives until then [m]',
+                'object beside its plans [m]', 'why')
 STOP_HEADER = ('faults that come while the robot drives', 'runs', 'stops after [s]: median',
                '99 of 100', 'worst', 'drives until then [m]: 99 of 100', 'worst')
 
@@ -57,10 +61,11 @@ def write_report(path: Path, findings: Findings, options: str) -> None:
     temporary = [row for row in rows if row.fault.is_temporary]
     text = fill_template(
         TEMPLATE, RUNS=len(rows), OPTIONS=options, TABLE=table(rows),
-        UNEXPLAINED=sum(not row.is_explained for row in [*rows, *processes]),
+        VIOLATING=sum(not row.is_ok for row in [*rows, *processes]),
         TEMPORARY=len(temporary),
         RECOVERED=sum(row.ending is Ending.DONE for row in temporary),
-        STOPS=stop_table(rows), STRUCK=len(processes), PROCESSES=process_table(processes),
+        STOPS=stop_table(rows), BOUNDS=bound_table(), STRUCK=len(processes),
+        PROCESSES=process_table(processes),
         SOAK=soak_table(findings.soak))
     path.write_text(text, encoding='utf-8')
 
@@ -97,7 +102,7 @@ def process_table(rows: Sequence[ProcessRow]) -> str:
     """
     lines = [_markdown(PROCESS_HEADER), _markdown(['---'] * len(PROCESS_HEADER))]
     for row in rows:
-        ending = row.ending.value + ('' if row.is_explained else ', unexplained')
+        ending = row.ending.value + violation_text(row.violations)
         stop_time = '' if math.isnan(row.stop_time) else f'{row.stop_time:.1f}'
         lines.append(_markdown([f'`{row.fault.node}` {row.fault.strike.value}',
                                 row.fault.state.value, ending, row.reason, stop_time]))
@@ -117,7 +122,7 @@ def table(rows: Sequence[Row]) -> str:
             for is_temporary in (True, False):
                 chosen = [row for row in rows if row.fault.input is kind and row.fault.word is word
                           and row.fault.is_temporary is is_temporary]
-                if any(row.ending is not Ending.DONE or not row.is_explained for row in chosen):
+                if any(row.ending is not Ending.DONE or not row.is_ok for row in chosen):
                     duration = '2 s' if is_temporary else 'lasting'
                     lines.append(_line(chosen, f'{kind.value} {word.value}, {duration}'))
     return '\n'.join(lines)
@@ -133,10 +138,33 @@ def _line(rows: Sequence[Row], name: str) -> str:
     driven = [row.driven for row in rows if not math.isnan(row.driven)]
     return _markdown([
         name, str(len(rows)), *(str(endings[ending]) for ending in Ending),
-        str(sum(not row.is_explained for row in rows)),
+        _violations(rows),
         f'{stops[len(stops) // 2]:.2f}' if stops else '', f'{stops[-1]:.2f}' if stops else '',
         f'{max(driven):.2f}' if driven else '', f'{max(row.deviation for row in rows):.2f}',
         frequent])
+
+
+def _violations(rows: Sequence[Row]) -> str:
+    """Count what was not as it should be, each kind; empty for nothing."""
+    counts = Counter(name for row in rows for name in row.violations)
+    return ', '.join(f'{count} {Violation[name].value}' for name, count in sorted(counts.items()))
+
+
+def bound_table() -> str:
+    """
+    List bounds that are not the common ones, and why.
+
+    :return: Markdown.
+    """
+    lines = [_markdown(BOUND_HEADER), _markdown(['---'] * len(BOUND_HEADER))]
+    for (kind, word), expectation in EXPECTATIONS.items():
+        if expectation.note and expectation.note != HARMLESS_NOTE:
+            bounds = [f'{expectation.stop_time:g}', f'{expectation.driven:g}']
+            if not expectation.must_stop:
+                bounds = ['need not stop', '']
+            lines.append(_markdown([f'{kind.value} {word.value}', *bounds,
+                                    f'{expectation.deviation:g}', expectation.note]))
+    return '\n'.join(lines)
 
 
 def _markdown(cells: Sequence[str]) -> str:

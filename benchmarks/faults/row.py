@@ -1,5 +1,6 @@
 """How one run with a fault ended."""
 
+from collections.abc import Sequence
 import enum
 import json
 from pathlib import Path
@@ -25,7 +26,8 @@ class Row(NamedTuple):
     :param fault: the ``Fault``.
     :param ending: the ``Ending``.
     :param reason: as reported, one sentence.
-    :param is_explained: whether it is done in truth, or stands with a reason.
+    :param codes: names of the codes of the reason.
+    :param violations: names of each ``Violation``; empty where the run ended as it should.
     :param stop_time: from the beginning of the fault, of commands of its effect, until the robot
         first commands zero [s]; nan where it need not stop.
     :param driven: by the robot until then [m]; nan likewise.
@@ -37,10 +39,16 @@ class Row(NamedTuple):
     fault: Fault
     ending: Ending
     reason: str
-    is_explained: bool
+    codes: tuple[str, ...]
+    violations: tuple[str, ...]
     stop_time: float
     driven: float
     deviation: float
+
+    @property
+    def is_ok(self) -> bool:
+        """Whether the run ended as it should."""
+        return not self.violations
 
     def __str__(self) -> str:
         """Write one line."""
@@ -48,7 +56,16 @@ class Row(NamedTuple):
                 + (f', {self.reason}' if self.reason else '')
                 + f' (stopped after {self.stop_time:.2f} s and {self.driven:.2f} m; object '
                 f'{self.deviation:.2f} m beside its plans)'
-                + ('' if self.is_explained else ' UNEXPLAINED'))
+                + violation_text(self.violations))
+
+
+def violation_text(violations: Sequence[str]) -> str:
+    """
+    Write the end of a line about a run.
+
+    :param violations: names of each ``Violation``.
+    """
+    return f' VIOLATES: {", ".join(violations)}' if violations else ''
 
 
 def append_row(path: Path, row: Row) -> None:
@@ -97,6 +114,7 @@ def read_rows(path: Path) -> list[Row]:
     for values in read_lines(path):
         kind, word, start, end = values['fault']
         values.update(fault=Fault(Input(kind), Word(word), start, end),
-                      ending=Ending(values['ending']))
+                      ending=Ending(values['ending']), codes=tuple(values['codes']),
+                      violations=tuple(values['violations']))
         rows.append(Row(**values))
     return rows

@@ -1,112 +1,207 @@
-"""Verdict on a run with faults: whether it ended done in truth, or standing with a reason."""
+"""
+Verdict on a run with faults: what of it is not as it should be.
 
-from collections.abc import Sequence
-import dataclasses
+A run is ok where nothing is: done in truth, or stopped for a reason that names the fault, soon
+enough and with the object where it was, and nothing drives in the end. What the robot says counts
+by its codes, never by its sentence.
+"""
+
+from collections.abc import Collection
+import enum
 import math
 from typing import NamedTuple
 
-from benchmarks.faults.injection import (
-    Fault, Injection, Input, OFFSET, OTHER_OBJECT, SentCommand, Word,
-)
+from benchmarks.faults.effect import effect_time
+from benchmarks.faults.expectations import Expectation, expectation_of
+from benchmarks.faults.injection import Fault, Input, OFFSET, OTHER_OBJECT, SIMULATED, Word
 from benchmarks.faults.row import Ending
+from benchmarks.faults.simulated import Record, Simulated
 import numpy as np
-from push_control.task.supervisor import Supervisor
-from push_model.geometry import distance, Pose, wrap_angle
+from push_control.task.status import TaskState
+from push_model.geometry import distance, FloatArray, Pose, wrap_angle
 from push_model.signals import STOP
-from push_model.trajectory import PushTrajectory
-from push_scenario.definition.scenario import Scenario
-from push_scenario.simulation.loop import simulate
-from push_scenario.simulation.result import Outcome
-from push_sim_node.simulation import Simulation
 from push_sim_node.tape import Tape
 
-# Planning time of tasks [s]; chosen: the usual one with primitives.
-PLANNING_TIME = 0.1
 # What counts as where the controller says that the object is, over its tolerances; chosen: a
 # measured pose errs, too.
 TRUE_RATIO = 1.5
-# Commands at the end of a run that must be zero [s]; chosen.
+# Commands before the end of a run that waits which must be zero [s]; chosen.
 FINAL_TIME = 1.0
+# Velocity at which a robot stands [m/s], [rad/s]; chosen: what is left after a second of zeros.
+STANDING_SPEED, STANDING_YAW_RATE = 0.01, 0.05
 # Time after a fault of commands, or the stop for it, in which the object counts as displaced by it
 # [s]; chosen: longer than a base takes to come to rest.
 DISPLACING_TIME = 1.0
-# Distance of the object from everything that was planned for it up to which a fault has not
-# displaced it [m]; chosen: twice what single pushes deviate by without a fault.
-MAX_DEVIATION = 0.2
+# Error of a difference of times [s].
+ROUNDING = 1e-6
 
 
-class Record(NamedTuple):
+class Violation(enum.Enum):
+    """What is not as it should be."""
+
+    NOT_AT_GOAL = 'reported as done, but the object is not at its goal'
+    WRONG_REASON = 'the reason does not name the fault'
+    STILL_DRIVES = 'drives in the end'
+    NEVER_STOPS = 'does not stop'
+    STOPS_LATE = 'stops too late'
+    DRIVES_FAR = 'drives too far until it stops'
+    OBJECT_MOVED = 'the object is moved too far from what was planned for it'
+
+
+class Stop(NamedTuple):
     """
-    What happened in a run.
+    How the robot stops for a fault.
 
-    :param scenario: the ``Scenario``.
-    :param tape: its ``Tape``.
-    :param plans: every ``PushTrajectory``.
-    :param sent: each ``SentCommand``.
-    """
-
-    scenario: Scenario
-    tape: Tape
-    plans: Sequence[PushTrajectory]
-    sent: Sequence[SentCommand]
-
-
-class Simulated(NamedTuple):
-    """
-    A run, and how it ended.
-
-    :param record: its ``Record``.
-    :param ending: the ``Ending``.
-    :param reason: as reported, one sentence.
+    :param duration: from the beginning of the fault, of commands of its effect, until the robot
+        first commands zero [s]; nan: never during the fault, or it needs no stop.
+    :param driven: by the robot until then [m]; nan likewise.
     """
 
-    record: Record
-    ending: Ending
-    reason: str
+    duration: float
+    driven: float
 
 
-def simulated_record(scenario: Scenario, injections: Sequence[Injection],
-                     time_limit: float) -> Simulated:
+class Verdict(NamedTuple):
     """
-    Simulate a scenario with faults, in one process.
+    Verdict on a run.
 
-    A robot that waits for somebody, as its base was stopped, is let go on after all faults.
-
-    :param scenario: the ``Scenario``.
-    :param injections: an ``Injection`` for each fault, at least one.
-    :param time_limit: simulated time in which the run has to end [s].
-    :return: ``Simulated``.
-    :raises ValueError: where the scenario has no plan to begin with.
+    :param violations: each ``Violation``; empty where all is as it should be.
+    :param stop: the ``Stop``.
+    :param deviation: greatest distance of the object, after the beginning of the fault, from all
+        that was planned for it [m].
     """
-    reasons, end = [''], max(injection.end for injection in injections)
 
-    def intervene(simulation: Simulation, supervisor: Supervisor) -> None:
-        for injection in injections:
-            injection(simulation, supervisor)
-        reasons[0] = supervisor.status.reason
-        if simulation.time > end and supervisor.awaits_resume:
-            supervisor.resume()
-    result = simulate(dataclasses.replace(scenario, time_limit=time_limit), intervene=intervene,
-                      planning_time=PLANNING_TIME)
-    if result.tape is None:
-        raise ValueError(f'{scenario.name}: {result.reason}')
-    has_ended = result.outcome is not Outcome.TIME_LIMIT
-    plans = [plan.trajectory for plan in result.task_plans]
-    # What the robot sends goes through the injection that was put in last, at first.
-    record = Record(scenario, result.tape, plans if result.plan is None else [result.plan],
-                    injections[-1].sent)
-    return Simulated(record, Ending(result.outcome.value) if has_ended else Ending.WAITS,
-                     result.reason if has_ended else reasons[0])
+    violations: tuple[Violation, ...]
+    stop: Stop
+    deviation: float
 
 
-def stands(commands: Sequence[SentCommand]) -> bool:
+def evaluate(fault: Fault, simulated: Simulated) -> Verdict:
     """
-    Tell whether the robot has commanded zero for a second at the end.
+    Evaluate a run.
 
-    :param commands: each ``SentCommand``.
+    :param fault: the ``Fault``.
+    :param simulated: ``Simulated``: what was done to it.
     """
-    return all(sent.twist == STOP for sent in commands
-               if sent.time > commands[-1].time - FINAL_TIME)
+    record, expectation = simulated.record, expectation_of(fault)
+    start = effective_start(fault, record)
+    stop = find_stop(fault, record, start)
+    moved = deviation(record, fault, start + stop.duration)
+    violations = [
+        *ending_violations(simulated, expectation.reasons, fault),
+        *stop_violations(stop, expectation, fault, start),
+        *([Violation.OBJECT_MOVED] if moved > expectation.deviation else [])]
+    return Verdict(tuple(violations), stop, moved)
+
+
+def effective_start(fault: Fault, record: Record) -> float:
+    """
+    Find when a fault first has an effect on what the robot needs, or on what its base does.
+
+    :param fault: the ``Fault``.
+    :param record: ``Record`` of the run.
+    :return: time [s]; nan for never.
+    """
+    if fault.input is Input.COMMAND:
+        return effect_time(record.scenario.true_robot, fault, record.tape, record.sent)
+    start = fault.start
+    if fault.input in (*SIMULATED, Input.CLOCK) and fault.word is Word.INTERMITTENT:
+        start = fault.first_gap
+    return _end_of_retreat(record, start) if fault.input is Input.POSE else start
+
+
+def _end_of_retreat(record: Record, time: float) -> float:
+    """Return a time, or the end of the retreat that it is in, which needs no object poses [s]."""
+    state = TaskState.IDLE
+    for change in record.history:
+        if change.time > time:
+            return change.time if state is TaskState.RETREAT else time
+        state = change.state
+    return time
+
+
+def find_stop(fault: Fault, record: Record, start: float) -> Stop:
+    """
+    Find when the robot first commands zero for a fault, and what it drives until then.
+
+    :param fault: the ``Fault``.
+    :param record: ``Record`` of the run.
+    :param start: when the fault begins to have an effect [s].
+    """
+    stop_time = next((sent.time for sent in record.sent
+                      if start <= sent.time < fault.end and sent.twist == STOP), math.nan)
+    return Stop(stop_time - start, _driven(record.tape, start, stop_time))
+
+
+def ending_violations(simulated: Simulated, reasons: Collection[str],
+                      fault: Fault | None) -> list[Violation]:
+    """
+    Check how a run has ended.
+
+    :param simulated: ``Simulated``.
+    :param reasons: names of the codes that name what was done to it.
+    :param fault: the ``Fault`` as of ``is_truly_done``; None where several come and go.
+    """
+    record, ending = simulated.record, simulated.ending
+    violations: list[Violation] = []
+    if _has_changing_goal(fault) and ending is Ending.WAITS:
+        # The robot drives to the newest goal: that is no fault.
+        return []
+    if ending is Ending.DONE:
+        if not is_truly_done(record, fault):
+            violations.append(Violation.NOT_AT_GOAL)
+    elif not set(reasons).intersection(simulated.codes):
+        violations.append(Violation.WRONG_REASON)
+    is_base_driven = fault is not None and fault.input is Input.COMMAND
+    if not stands(simulated, is_base_driven):
+        violations.append(Violation.STILL_DRIVES)
+    return violations
+
+
+def _has_changing_goal(fault: Fault | None) -> bool:
+    """Tell whether somebody alternates between two goals to the end."""
+    return fault is not None and not fault.is_temporary and (
+        fault.input is Input.GOAL and fault.word is Word.SLOW)
+
+
+def stop_violations(stop: Stop, expectation: Expectation, fault: Fault,
+                    start: float) -> list[Violation]:
+    """
+    Compare a stop with its bounds.
+
+    :param stop: the ``Stop``.
+    :param expectation: the ``Expectation``.
+    :param fault: the ``Fault``.
+    :param start: when it begins to have an effect [s]; nan for never.
+    """
+    if not expectation.must_stop or math.isnan(start):
+        return []
+    if math.isnan(stop.duration):
+        lasts = fault.end - start > expectation.stop_time
+        return [Violation.NEVER_STOPS] if lasts else []
+    return [violation for violation, is_so in (
+        (Violation.STOPS_LATE, stop.duration > expectation.stop_time + ROUNDING),
+        (Violation.DRIVES_FAR, stop.driven > expectation.driven)) if is_so]
+
+
+def stands(simulated: Simulated, is_base_driven: bool) -> bool:
+    """
+    Tell whether nothing drives in the end.
+
+    :param simulated: ``Simulated``: a robot that waits has to have commanded zero for a second,
+        another one since the run has ended.
+    :param is_base_driven: whether somebody else may drive the base; only commands count then.
+    """
+    record = simulated.record
+    since = record.end_time
+    if simulated.ending is Ending.WAITS:
+        since -= FINAL_TIME
+    if any(sent.twist != STOP for sent in record.sent if sent.time > since):
+        return False
+    tape = record.tape
+    return is_base_driven or (
+        math.hypot(tape['robot_v_x'][-1], tape['robot_v_y'][-1]) <= STANDING_SPEED
+        and abs(float(tape['robot_omega'][-1])) <= STANDING_YAW_RATE)
 
 
 def is_truly_done(record: Record, fault: Fault | None = None) -> bool:
@@ -151,15 +246,6 @@ def deviation(record: Record, fault: Fault, stop_time: float) -> float:
     return float(max(gaps, default=0.0))
 
 
-def deviation_limit(fault: Fault) -> float:
-    """
-    Limit the deviation [m]: a tracker that is off has what is planned beside the object.
-
-    :param fault: the ``Fault``.
-    """
-    return MAX_DEVIATION + offset_of(fault)
-
-
 def offset_of(fault: Fault) -> float:
     """
     Return by how much the object seems to be displaced [m]; infinite: anywhere.
@@ -172,3 +258,14 @@ def offset_of(fault: Fault) -> float:
         return math.inf
     offset = {Word.WRONG: OFFSET, Word.OF_ANOTHER_OBJECT: OTHER_OBJECT}.get(fault.word)
     return 0.0 if offset is None else math.hypot(offset.x, offset.y)
+
+
+def _driven(tape: Tape, start: float, end: float) -> float:
+    """Sum up what the robot drives between two times; nan where one is [m]."""
+    times, poses = tape['time'], np.array(tape.poses('robot'))
+    within = poses[(times >= start) & (times <= end)]
+    return math.nan if math.isnan(end) else _length(within)
+
+
+def _length(poses: FloatArray) -> float:
+    return float(np.hypot(*np.diff(poses[:, :2], axis=0).T).sum())

@@ -10,7 +10,7 @@ from push_control.goal import GoalOutcome, GoalProgress, PushGoal
 from push_control.ros.goal_entry import GoalEntry
 from push_control.ros.start_state import StartState
 from push_model.geometry import Pose
-from push_ros.conversions.primitives import to_pose_message, to_stamp
+from push_ros.conversions.primitives import MessageRefused, to_pose_message, to_stamp
 import pytest
 
 FIRST, SECOND = (PushGoal(Pose(x, 0.0, 0.0)) for x in (1.0, 2.0))
@@ -65,6 +65,17 @@ def test_a_goal_for_another_object_waits_until_the_robot_stands(goals, robot):
     goals.update(2.0)
     assert first.outcome is GoalOutcome.REPLACED and robot.goals == [FIRST, SECOND]
     assert done == [True] and goals.current is second
+
+
+def test_a_goal_that_is_replaced_at_once_is_told_before_the_next_begins(goals, robot):
+    """Once, and with the reason."""
+    ended = []
+    first = goals.start(FIRST, on_end=lambda handle: ended.append((handle, list(robot.goals))))
+    second = goals.start(SECOND)
+    assert ended == [(first, [FIRST])] and robot.goals == [FIRST, SECOND]
+    assert first.outcome is GoalOutcome.REPLACED
+    assert first.cause.code is TaskEvent.GOAL_REPLACED
+    assert goals.current is second and second.outcome is None
 
 
 @pytest.mark.parametrize('end, outcome', [
@@ -126,3 +137,29 @@ def test_a_goal_that_is_repeated_is_not_begun_again(goals, robot):
     robot.is_commanding = False
     goals.on_message(message)
     assert robot.goals == [FIRST, SECOND, SECOND]
+
+
+def test_a_stopped_controller_takes_no_goal(goals, robot):
+    """Until it is started."""
+    message = PoseStamped(pose=to_pose_message(FIRST.pose))
+    message.header.frame_id = 'odom'
+    robot.start_state = StartState.STOPPED
+    with pytest.raises(MessageRefused, match='controller/start'):
+        goals.on_message(message)
+    assert not robot.goals and goals.is_idle
+    robot.start_state = StartState.STARTED
+    goals.on_message(message)
+    assert robot.goals == [FIRST]
+
+
+def test_a_goal_is_abandoned_after_its_time(goals, robot):
+    """From the first measurement on; it has timed out once the robot stands."""
+    handle = goals.start(dataclasses.replace(FIRST, time_limit=5.0))
+    for time in (10.0, 14.9):
+        goals.update(time)
+        assert handle.pending_outcome is None
+    goals.update(15.1)
+    assert handle.pending_outcome is GoalOutcome.TIMED_OUT and handle.outcome is None
+    robot.is_commanding = False
+    goals.update(15.2)
+    assert handle.outcome is GoalOutcome.TIMED_OUT

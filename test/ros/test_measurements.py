@@ -35,6 +35,17 @@ def test_an_object_pose_of_another_clock_before_the_first_odometry_is_forgotten(
         assert latest.time == (max(10.0, time) if is_kept else 10.0)
 
 
+@pytest.mark.parametrize('kind', ['odometry', 'object_pose'])
+def test_what_is_older_than_the_newest_of_its_kind_is_ignored(kind):
+    """And no time passes by it; the other kind goes on."""
+    make = moving if kind == 'odometry' else lambda time: ObjectPose(time, Pose(time, 0.0, 0.0))
+    latest = LatestMeasurements()
+    latest.add(moving(0.0))
+    assert latest.add(make(2.0)) == 2.0
+    assert latest.add(make(1.0)) == 0.0
+    assert getattr(latest, kind) == make(2.0) and latest.time == 2.0
+
+
 def moving(time):
     """Make odometry of a robot that drives an arc."""
     return Odometry(time, Pose(0.3 * time, 0.1, 0.4 * time), STOP)

@@ -39,6 +39,8 @@ def test_a_push_under_way_goes_on_as_chosen(progress):
     (PUSH, {'pushed': LIMIT + 1e-6}, Stop()),
     (RUN_IN, {'time': TIMEOUT + LIMIT / MIN_SPEED + 1e-6}, Stop()),
     (PUSH, {'is_near_obstacle': True}, Stop()),
+    (TAP, {'is_spinning': True}, Miss(BehaviorFailure.WHEELS_SPIN)),
+    (PUSH, {'is_spinning': True}, Miss(BehaviorFailure.WHEELS_SPIN)),
     (RUN_IN, {'overrun': BEYOND}, Miss(BehaviorFailure.OBJECT_NOT_FOUND)),
     (RUN_IN, {'overrun': BEYOND - 2e-6}, COURSE),
     (TAP, {'pushed': BEYOND}, Miss(BehaviorFailure.OBJECT_NOT_MOVED)),

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from helpers.objects import box
 from helpers.straight_pushes import straight_push
+import numpy as np
 from push_control.behaviors.behavior import Behavior
 from push_control.behaviors.failures import BehaviorFailure
 from push_control.behaviors.progress import ProgressMonitor
@@ -24,6 +25,7 @@ from push_model.geometry import Pose, wrap_angle
 from push_model.observation import Observation
 from push_model.parameters import RoundRobot
 from push_model.signals import ObjectPose, Odometry, STOP
+from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.settings import DriveSettings
 from push_primitives.store import load_primitives
 from push_sim_node.simulation import Simulation, SimulationSettings
@@ -54,20 +56,22 @@ class Course(NamedTuple):
 
 
 def act(target, robot_pose, state=TaskState.PUSH, drive='differential', error=HOME,
-        object_pose=HOME, on_step=None, max_time=20.0):
+        object_pose=HOME, on_step=None, max_time=20.0, goal=None, occupancy_map=None):
     """
     Let the behaviour of a state act on the plant until it ends.
 
     :param error: ``Pose`` of the true robot where it is believed to be at its origin.
     :param on_step: called with the behaviour and the time since it began.
+    :param goal: of the task; None for the end of the target.
     """
     robot = ROBOTS[drive]
-    goal = Pose(*target.object_poses[-1].tolist())
+    goal = goal or Pose(*target.object_poses[-1].tolist())
     simulation = Simulation(box(), robot, object_pose, robot_pose @ error,
                             SimulationSettings(seed=1))
     shift = robot_pose @ (robot_pose @ error).inverse()
     perception = TaskPerception(box(), robot, CONTROL, SUPERVISION)
     behaviors = RepeatedPushBehaviors(box(), robot, CONTROL, DRIVE, SUPERVISION)
+    behaviors.occupancy_map = occupancy_map
     behavior, pose, time, commands, deviation = None, None, 0.0, [], 0.0
     while simulation.time < max_time:
         measured = simulation.next_measurement()
@@ -127,6 +131,24 @@ def test_a_push_ends_at_its_goal(drive, start, length, world):
     status = course.behavior.push_status
     assert status.phase is Phase.DONE and status.in_contact
     assert status.travelled_distance == pytest.approx(length, abs=0.02)
+
+
+@pytest.mark.parametrize('drive', ROBOTS)
+def test_a_push_that_would_go_further_than_planned_ends_before_an_obstacle(drive):
+    """Where the goal lies behind it; on open floor it does go further."""
+    target, wall = straight_push(box(), MIDDLE, 0.1), 0.36
+    cells = np.zeros((100, 100), dtype=bool)
+    # A wall across the way from there on.
+    cells[:, round((wall + 1.0) / 0.02):] = True
+    fronts = []
+    for floor in (None, OccupancyMap(0.02, Pose(-1.0, -1.0, 0.0), cells)):
+        course = act(target, backed_off(MIDDLE), drive=drive, goal=Pose(0.6, 0.0, 0.0),
+                     occupancy_map=floor)
+        assert course.behavior.finished
+        pose = course.simulation.truth.object_pose
+        fronts.append(max(pose.transform(vertex)[0] for vertex in box().outline))
+    assert fronts[0] > wall + 0.05
+    assert 0.25 < fronts[1] < wall
 
 
 def test_the_object_at_its_goal_is_at_rest_when_the_push_ends():

@@ -1,0 +1,1 @@
+"""Mutants: planted mistakes that the tests of their package have to notice."""
