@@ -55,7 +55,8 @@ class ControllerNode(ManagedNode):
     Subscribers, while active
         ``odom`` (Odometry) and ``object_pose`` (PoseStamped, or PoseWithCovarianceStamped), best
         effort; ``push_plan`` (JointTrajectory, latched); ``goal_pose`` (PoseStamped);
-        ``map`` (OccupancyGrid, latched); ``/tf`` and ``/tf_static`` (TFMessage) as soon as one of
+        ``map`` (OccupancyGrid, latched); with ``place.source``, ``scan`` (LaserScan) or ``place``
+        (PoseWithCovarianceStamped); ``/tf`` and ``/tf_static`` (TFMessage) as soon as one of
         these comes in another frame; ``cmd_vel`` while somebody else publishes it.
 
     Action, where ``push_control_msgs`` is installed

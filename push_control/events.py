@@ -30,6 +30,7 @@ class TaskEvent(Cause):
     # Another plan is sought.
     STARTED_OVER = ('odometry has jumped while the robot stood: localization of robot and object '
                     'starts over')
+    RELOCATED = 'the robot is elsewhere in the map than it seemed to be'
     MAP_BLOCKS_PATH = 'the new map has an obstacle in the way'
     OBJECT_UNSEEN = 'the object has to be seen from another side'
 

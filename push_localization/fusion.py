@@ -40,14 +40,17 @@ def fused_covariance(covariance: FloatArray, information: FloatArray) -> FloatAr
     return (axes * factors) @ axes.T
 
 
-def lasting_noise(covariance: FloatArray, information: FloatArray) -> FloatArray:
+def lasting_noise(covariance: FloatArray, information: FloatArray) -> FloatArray | None:
     """
     Return the covariance of an independent measurement that has the same effect.
 
     :param covariance: P before it, shape (n, n).
     :param information: H of the measurement, shape (n, n).
+    :return: shape (n, n); None where it knows nothing that is not known.
     """
     axes, factors = _directions(covariance, information)
+    if factors.min() >= 1.0:
+        return None
     noise = np.where(factors < 1.0, factors / np.maximum(1.0 - factors, 1.0 / NO_INFORMATION),
                      NO_INFORMATION)
     return (axes * noise) @ axes.T

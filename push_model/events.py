@@ -41,6 +41,9 @@ class PushEvent(Cause):
     NO_OBJECT_POSE = 'no object pose yet'
     OBJECT_POSE_NOT_FINITE = 'object pose is not finite'
     OBJECT_POSE_STALE = 'object pose is stale: {age:.2f} s old, at most {limit:g} s'
+    PLACE_LOST = (
+        'what the robot measures does not fit the map: it is elsewhere, or the map is of another '
+        'place')
     # The same again and again, by a little.
     OBJECT_POSES_LATE = (
         'object poses come late: up to {age:.2f} s old, control.pose_timeout is {limit:g} s: '

@@ -4,7 +4,7 @@ from typing import NamedTuple, Optional
 
 from push_model.base_knowledge import BaseKnowledge
 from push_model.events import EventReport
-from push_model.signals import ObjectPose, Odometry
+from push_model.signals import ObjectPose, Odometry, RobotPlace
 
 
 class Observation(NamedTuple):
@@ -16,6 +16,7 @@ class Observation(NamedTuple):
     :param object_pose: the last object pose that arrived, or None before the first.
     :param pose_rejection: ``EventReport`` of why a newer pose is not believed, or None.
     :param base: what is known of the base by now; None for as stated.
+    :param place: the last place of the robot in its map, or None where nothing measures it.
     """
 
     time: float
@@ -23,9 +24,11 @@ class Observation(NamedTuple):
     object_pose: Optional[ObjectPose] = None
     pose_rejection: Optional[EventReport] = None
     base: Optional[BaseKnowledge] = None
+    place: Optional[RobotPlace] = None
 
     @property
-    def stamps(self) -> tuple[float, float, Optional[float]]:
-        """Times that tell two observations apart: now, of the odometry, of the pose [s]."""
+    def stamps(self) -> tuple[float, float, Optional[float], Optional[float]]:
+        """Times that tell two observations apart: now, of odometry, object pose and place [s]."""
         pose_time = None if self.object_pose is None else self.object_pose.time
-        return self.time, self.odometry.time, pose_time
+        place_time = None if self.place is None else self.place.time
+        return self.time, self.odometry.time, pose_time, place_time

@@ -10,6 +10,7 @@ from nav_msgs.msg import OccupancyGrid, Odometry, Path
 from push_ros import qos
 from rclpy.qos import QoSProfile
 from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import LaserScan
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 from visualization_msgs.msg import MarkerArray
@@ -95,6 +96,11 @@ TOPICS = {
                          qos.SENSOR,
                          'measured object pose; PoseWithCovarianceStamped with '
                          'object_pose_with_covariance'),
+    'scan': Topic(LaserScan, (SIM,), (CONTROLLER,), qos.MEASUREMENT, qos.SENSOR,
+                  "scan of the robot's lidar, with place.source scan"),
+    'place': Topic(PoseWithCovarianceStamped, (), (CONTROLLER,), qos.MEASUREMENT, qos.SENSOR,
+                   'place of the robot in the map, as of AMCL or slam_toolbox, with place.source '
+                   'place'),
     'robot_pose': Topic(PoseStamped, (), (MOCAP,), qos.MEASUREMENT, qos.SENSOR,
                         'pose of the rigid body on the robot, as motion capture has it'),
     'goal_pose': Topic(PoseStamped, (), (CONTROLLER,), qos.EVENT, qos.EVENT,

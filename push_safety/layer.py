@@ -275,8 +275,7 @@ class SafetyLayer:
         if measured is None:
             return observation
         checked = self._pose_check.check(measured)
-        return Observation(observation.time, observation.odometry, checked,
-                           self._pose_check.fault)
+        return observation._replace(object_pose=checked, pose_rejection=self._pose_check.fault)
 
     def filter(self, command: Twist, time: float) -> Twist:
         """

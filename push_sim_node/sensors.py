@@ -13,6 +13,7 @@ from push_model.signals import (
     ObjectPose, Odometry, OdometryReference, PoseCovariance, Twist,
 )
 from push_sim_node.camera import CameraSettings
+from push_sim_node.lidar import LidarSensorSettings
 
 # Deviation that odometry states where the settings have less [m, rad, m/s, rad/s]: chosen, as
 # encoders resolve it. A variance of 0 would count as not stated.
@@ -87,6 +88,7 @@ class SensorSettings:
                                     'm', 0.0, 0.1, default=0.0)
     odometry_angle_step: float = quantity('the same of its heading', 'rad', 0.0, 0.5, default=0.0)
     camera: CameraSettings = CameraSettings()
+    lidar: LidarSensorSettings = LidarSensorSettings()
 
     def __post_init__(self) -> None:
         """Validate the fields."""

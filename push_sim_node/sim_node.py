@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from builtin_interfaces.msg import Time
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
-from push_model.signals import ObjectPose, Odometry, STOP
+from push_model.signals import Odometry, STOP
 from push_ros.conversions.primitives import (
     check_frame, from_pose_message, from_twist_message, MessageRefused, nanoseconds,
 )
@@ -25,7 +25,7 @@ from push_sim_node.ros.pacing import Pacer, SpeedMeter, StampLag
 from push_sim_node.ros.run_control import QUIET_TIME, RunAction, RunControl, RunState
 from push_sim_node.sensors import SensorSettings
 from push_sim_node.settings import SimulationSettings
-from push_sim_node.simulation import Simulation
+from push_sim_node.simulation import Measurement, Simulation
 
 SECTIONS = (('object.', PushedObject), ('robot.', RoundRobot), ('sensors.', SensorSettings),
             ('simulation.', SimulationSettings), ('', Frames), ('', SimOptions))
@@ -60,13 +60,13 @@ class SimNode(PushNode):
     The true object, the true robot and their sensors.
 
     Publishes ``odom``, ``object_pose``, ``contact_wrench``, ``markers``, ``diagnostics``, where it
-    owns time ``clock``, and ``tf`` where tf2_msgs is installed; subscribes ``cmd_vel``,
-    ``initialpose``; serves ``sim/start``, ``sim/reset``. Until it is started (``autostart`` or
-    ``sim/start``) it holds time and offers the first measurements. With ``lockstep`` it then goes
-    from one measurement to the next when the command with its stamp has come; else it keeps to
-    the wall clock. Parameters: ``object.*`` and ``robot.*`` as they truly are, ``sensors.*``,
-    ``simulation.*``, frames and how time passes; at its end it writes the tape to ``tape_path``,
-    and times on the wall beside it.
+    owns time ``clock``, ``tf`` where tf2_msgs is installed, and ``scan`` where it has a lidar;
+    subscribes ``cmd_vel``, ``initialpose``; serves ``sim/start``, ``sim/reset``. Until it is
+    started (``autostart`` or ``sim/start``) it holds time and offers the first measurements. With
+    ``lockstep`` it then goes from one measurement to the next when the command with its stamp has
+    come; else it keeps to the wall clock. Parameters: ``object.*`` and ``robot.*`` as they truly
+    are, ``sensors.*``, ``simulation.*``, frames and how time passes; at its end it writes the tape
+    to ``tape_path``, and times on the wall beside it.
     """
 
     def __init__(self) -> None:
@@ -131,7 +131,7 @@ class SimNode(PushNode):
         self._outputs.keep_clock(reached)
         self._first_measurements = self._take_first_measurements()
         self._simulation.reset(object_pose)
-        self._computed: Odometry | ObjectPose | None = None
+        self._computed: Measurement | None = None
         self._in_flight: _InFlight | None = None
         # Simulated time of the last command, where that was to move [s].
         self._moving_since: float | None = None
@@ -146,9 +146,9 @@ class SimNode(PushNode):
         self._wake_time = 0.0
         self._report(OK, 'holds time')
 
-    def _take_first_measurements(self) -> list[Odometry | ObjectPose]:
+    def _take_first_measurements(self) -> list[Measurement]:
         """Let time go on to the first odometry, which comes after the first pose in the world."""
-        taken: list[Odometry | ObjectPose] = []
+        taken: list[Measurement] = []
         while not (taken and isinstance(taken[-1], Odometry)):
             taken.append(self._simulation.next_measurement())
         return taken
@@ -258,7 +258,7 @@ class SimNode(PushNode):
         if not self._has_ended():
             self._publish(self._simulation.next_measurement(), now)
 
-    def _publish(self, measurement: Odometry | ObjectPose, now: float) -> None:
+    def _publish(self, measurement: Measurement, now: float) -> None:
         self._computed = None
         if not self._options.tape_path:
             # Nobody asks for what would grow without end.
@@ -266,7 +266,7 @@ class SimNode(PushNode):
             self._latencies.clear()
         sent = time.monotonic()
         published = self._outputs.publish_measurement(measurement)
-        self._in_flight = _InFlight(published, sent, is_timed=published.is_object_pose)
+        self._in_flight = _InFlight(published, sent, is_timed=published.topic == 'object_pose')
         self._exchange.sent(published.stamp, now)
         # While the controller computes its command.
         self._outputs.publish_scene(self._simulation)

@@ -3,16 +3,17 @@
 import enum
 import heapq
 import math
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from push_dynamics.actuation import limit_command
 from push_model.geometry import FloatArray, Pose
 from push_model.odometry_history import OdometryHistory
 from push_model.parameters import PushedObject, RoundRobot
-from push_model.signals import ObjectPose, Odometry, STOP, Twist
+from push_model.signals import LidarScan, ObjectPose, Odometry, STOP, Twist
 from push_sim_node.camera import Camera, mirrored_tilt, relative_pose
 from push_sim_node.disturbance import change_times, friction_factors, ObjectDisplacement
+from push_sim_node.lidar import BodyPoses, Lidar
 from push_sim_node.plant import Plant
 from push_sim_node.sensors import OdometrySensor, PoseSensor, SensorSettings, Sighting
 from push_sim_node.settings import SimulationSettings
@@ -20,6 +21,10 @@ from push_sim_node.tape import Tape
 from push_sim_node.tape_row import columns_of
 from push_sim_node.truth import Truth
 
+# Measurement of any sensor.
+Measurement: TypeAlias = Odometry | ObjectPose | LidarScan
+# Number of the random stream of the lidar, beside those of a spawned seed.
+LIDAR_STREAM = 1
 # Nanoseconds per second.
 NANOSECONDS = 1_000_000_000
 
@@ -32,6 +37,8 @@ class _EventKind(enum.IntEnum):
     MEASURE_ODOMETRY = 2
     # Placed by odometry of its time, which has to come first.
     DELIVER_RELATIVE_POSE = 3
+    # Corrected by odometry up to its end.
+    DELIVER_SCAN = 4
 
 
 class _Event(NamedTuple):
@@ -172,6 +179,7 @@ class Simulation:
         self._odometry_sensor = OdometrySensor(self.sensors, self.plant.robot_pose, biases,
                                                twist_noise, odometry_noise)
         self._camera = self._make_camera()
+        self._lidar = self._make_lidar()
         self._odometry_history = OdometryHistory()
         self._set_now(0)
         # A command, and when the robot stops if no other has come [ns].
@@ -183,6 +191,9 @@ class Simulation:
         self._apply_friction()
         self._events.schedule(0, _EventKind.MEASURE_POSE, 0)
         self._events.schedule(0, _EventKind.MEASURE_ODOMETRY, 0)
+        if self._lidar is not None:
+            self._observe_bodies()
+            self._events.schedule(_nanoseconds(self._lidar.period), _EventKind.DELIVER_SCAN, 0)
 
     @property
     def columns(self) -> tuple[str, ...]:
@@ -226,7 +237,7 @@ class Simulation:
         self._command = Twist(*map(float, twist))
         self._deadline = self._now + _nanoseconds(self.settings.command_timeout)
 
-    def next_measurement(self) -> Odometry | ObjectPose:
+    def next_measurement(self) -> Measurement:
         """
         Let time pass until the next measurement is delivered.
 
@@ -237,6 +248,9 @@ class Simulation:
             self._advance_to(event.time)
             if event.kind is _EventKind.MEASURE_POSE:
                 self._measure_pose(event)
+            elif event.kind is _EventKind.DELIVER_SCAN:
+                if self._lidar is not None:
+                    return self._measure_scan(event, self._lidar)
             elif event.pose is None:
                 return self._measure_odometry(event)
             elif event.kind is _EventKind.DELIVER_POSE:
@@ -248,6 +262,25 @@ class Simulation:
 
     def _make_camera(self) -> Camera:
         return Camera(self.sensors.camera, self.obj, self.robot.radius)
+
+    def _make_lidar(self) -> Lidar | None:
+        """Make the lidar, whose errors have a stream of their own; None where there is none."""
+        if self.sensors.lidar.rate == 0.0:
+            return None
+        return Lidar(self.sensors.lidar, self.obj, self.settings.walls,
+                     np.random.default_rng((self.settings.seed, LIDAR_STREAM)))
+
+    def _measure_scan(self, event: _Event, lidar: Lidar) -> LidarScan:
+        index = event.sample_index + 1
+        self._events.schedule(_nanoseconds((index + 1) * lidar.period), _EventKind.DELIVER_SCAN,
+                              index)
+        return lidar.measure(event.sample_index * lidar.period)
+
+    def _observe_bodies(self) -> None:
+        """Show robot and object to the lidar."""
+        if self._lidar is not None:
+            self._lidar.observe(BodyPoses(self.time, self.plant.robot_pose,
+                                          self.plant.object_pose))
 
     def _measure_odometry(self, event: _Event) -> Odometry:
         index = event.sample_index + 1
@@ -292,6 +325,7 @@ class Simulation:
             if until > self._now:
                 self.plant.advance((until - self._now) / NANOSECONDS, self._active_command())
             self._set_now(until)
+            self._observe_bodies()
             if until >= disturbed_at:
                 self._disturb()
 

@@ -10,12 +10,12 @@ from push_base.calibration.touch_program import TouchPlan
 from push_model.files.parameter_files import read_object
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
-from push_model.signals import ObjectPose, Odometry
+from push_model.signals import ObjectPose
 from push_scenario.calibration.simulated import RobotTracker, run_program
 from push_sim_node.drive_imperfections import DriveImperfections
 from push_sim_node.sensors import SensorSettings
 from push_sim_node.settings import SimulationSettings
-from push_sim_node.simulation import Simulation
+from push_sim_node.simulation import Measurement, Simulation
 
 # The robot, and the object ahead of it.
 ROBOT_POSE, OBJECT_POSE = Pose(0.0, 0.0, 0.5), Pose(1.3, 0.7, 0.6)
@@ -82,10 +82,10 @@ class _ShiftedPoses(Simulation):
     offset: Pose = Pose(0.0, 0.0, 0.0)
     stamp_delay: float = 0.0
 
-    def next_measurement(self) -> Odometry | ObjectPose:
+    def next_measurement(self) -> Measurement:
         """Let time pass until the next measurement is delivered."""
         measured = super().next_measurement()
-        if isinstance(measured, Odometry):
+        if not isinstance(measured, ObjectPose):
             return measured
         return measured._replace(pose=measured.pose @ self.offset,
                                  time=measured.time + self.stamp_delay)

@@ -21,7 +21,7 @@ from push_control.steered.status import Phase
 from push_model.geometry import distance, FloatArray
 from push_model.observation import Observation
 from push_model.parameters import PushedObject, RoundRobot
-from push_model.signals import Odometry
+from push_model.signals import ObjectPose, Odometry
 from push_model.trajectory import PushTrajectory
 from push_planner.problem import PlanningFailed
 from push_planner.steered.replanning import plan_from_measurements
@@ -129,7 +129,7 @@ def timed(kind: str, seed: int, name: str) -> Optional[Timed]:
             return None
         simulation = make_simulation(case)
         pose, odometry = simulation.next_measurement(), simulation.next_measurement()
-        if isinstance(pose, Odometry) or not isinstance(odometry, Odometry):
+        if not (isinstance(pose, ObjectPose) and isinstance(odometry, Odometry)):
             raise RuntimeError(f'measurements: got {pose} and {odometry}, expected an object pose '
                                'and an odometry')
         target = plan_from_measurements(case.object, case.robot, pose, odometry, case.goal.pose,
@@ -160,7 +160,7 @@ def _step_times(simulation: Simulation, controller: Controller, target: PushTraj
         odometry, pose = before.odometry, before.object_pose
         if isinstance(measured, Odometry):
             odometry = measured
-        else:
+        elif isinstance(measured, ObjectPose):
             pose = measured
         observation = Observation(simulation.time, odometry, pose)
         dt = observation.time - before.time

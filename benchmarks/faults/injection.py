@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from push_model.geometry import Pose, wrap_angle
 from push_model.signals import ObjectPose, Odometry, STOP, Twist
-from push_sim_node.simulation import Simulation
+from push_sim_node.simulation import Measurement, Simulation
 
 
 class Input(enum.Enum):
@@ -252,7 +252,7 @@ class Injection:
         self._robot_pose = lambda: simulation.truth.robot_pose
         kind = Odometry if self._fault.input is Input.ODOMETRY else ObjectPose
 
-        def next_measurement() -> Odometry | ObjectPose:
+        def next_measurement() -> Measurement:
             while True:
                 if self._is_aged and self._late and self._late[0][0] <= simulation.time:
                     return self._late.popleft()[1]

@@ -21,7 +21,7 @@ from geometry_msgs.msg import PoseStamped
 import numpy as np
 from push_control.controller_node import ControllerNode
 from push_model.geometry import Pose
-from push_model.signals import ObjectPose, Odometry, STOP
+from push_model.signals import LidarScan, ObjectPose, Odometry, STOP
 from push_model.trajectory import PushTrajectory
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.settings import MapSettings
@@ -200,7 +200,8 @@ class _Rig:
             measured = simulation.next_measurement()
             self._spoil()
             self._publish_due()
-            self._answer(measured)
+            if not isinstance(measured, LidarScan):
+                self._answer(measured)
             is_over = not self._is_active and simulation.time > self._last_change
             if is_over and self.reports and self.reports[-1].state in ENDINGS:
                 end = min(end, simulation.time)

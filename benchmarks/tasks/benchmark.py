@@ -15,8 +15,8 @@ import sys
 from benchmarks.controller.tables import Job, Record
 from benchmarks.tasks.bases import BAD_BASES, compared_jobs, LEARNED, TREATMENTS
 from benchmarks.tasks.cases import (
-    BASE_PARTS, BASES, draw, EYES_PARTS, FLATS, IN_MAPS, jobs, KINDS, OPEN, OWN_EYES, PARTS,
-    SLOPES, SPATIAL_BASES, SPATIAL_EYES, STRICT,
+    BASE_PARTS, BASES, BY_ODOMETRY, draw, EYES_PARTS, FAR_ROBOTS, FLATS, IN_MAPS, jobs, KINDS,
+    odometry_jobs, OPEN, OWN_EYES, PARTS, SLOPES, SPATIAL_BASES, SPATIAL_EYES, STRICT,
 )
 from benchmarks.tasks.eyes import ALWAYS_SEEN, EYES, seen_jobs
 from benchmarks.tasks.picture import picture
@@ -29,7 +29,7 @@ from push_scenario.parallel import ERROR, JobFunction, progress_bar, run_many
 DESCRIPTION = 'Benchmark of tasks: how many random goals are reached, how soon.'
 # Number of tasks of each part; those that are not here have 200. Strict: as many for each of two
 # tolerances. Bad bases: twenty with each. Eyes: 35 with each.
-COUNTS = {OPEN: 1000, STRICT: 400, FLATS: 100, BASES: 20 * len(BAD_BASES),
+COUNTS = {OPEN: 1000, STRICT: 400, FLATS: 100, FAR_ROBOTS: 50, BASES: 20 * len(BAD_BASES),
           SPATIAL_BASES: 20 * len(BAD_BASES), SLOPES: 16, OWN_EYES: 35 * len(EYES),
           SPATIAL_EYES: 35 * len(EYES)}
 OTHER_COUNT = 200
@@ -56,9 +56,9 @@ def options() -> argparse.Namespace:
     parser.add_argument('--workers', type=int, help='processes; default: one per core')
     parser.add_argument('--seed', type=int,
                         help='run this task of the part only, and print what happens')
-    parser.add_argument('--base', choices=(*TREATMENTS, ALWAYS_SEEN), default=LEARNED,
+    parser.add_argument('--base', choices=(*TREATMENTS, ALWAYS_SEEN, BY_ODOMETRY), default=LEARNED,
                         help='how such a task treats a bad base, or that its object is always '
-                        'seen; default: %(default)s')
+                        'seen, or that its robot has no lidar; default: %(default)s')
     chosen = parser.parse_args()
     chosen.counts = {part: count for part, count in chosen.parts or [] if count is not None}
     if chosen.parts is not None:
@@ -125,6 +125,8 @@ def measure(chosen: argparse.Namespace) -> tuple[list[Job], list[Record]]:
             tasks += compared_jobs(tasks)
         if part in EYES_PARTS:
             tasks += seen_jobs(tasks)
+        if part == FAR_ROBOTS:
+            tasks += odometry_jobs(tasks)
         references: list[Record] = [{} for _ in tasks]
         if part == OPEN:
             references = run_jobs(chosen, refer, f'{part}, reference', tasks)

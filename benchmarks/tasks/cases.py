@@ -26,9 +26,11 @@ from push_model.files.parameter_files import read_robot
 from push_model.geometry import distance, Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_planner.settings import PlannerSettings
+from push_scenario.definition.expected_poses import with_sensors
 from push_scenario.definition.placement import Placement
 from push_scenario.definition.scenario import Scenario, Start
 from push_scenario.definition.task import Task
+from push_sim_node.lidar import LidarSensorSettings
 from push_sim_node.sensors import SensorSettings
 from push_sim_node.simulation import SimulationSettings
 
@@ -49,9 +51,11 @@ SPATIAL_BASES = 'spatial bases'
 SLOPES = 'slopes'
 OWN_EYES = 'eyes'
 SPATIAL_EYES = 'spatial eyes'
+FAR_ROBOTS = 'far robots'
 # The order enters the seeds of the draws: append only.
 PARTS = (OPEN, IN_MAPS, DISTURBED, SLIPPERY, CREEPING, FRICTIONLESS, WHEELS, TAG, STRICT,
-         INFORMED, FLATS, SPATIAL, BASES, SPATIAL_BASES, SLOPES, OWN_EYES, SPATIAL_EYES)
+         INFORMED, FLATS, SPATIAL, BASES, SPATIAL_BASES, SLOPES, OWN_EYES, SPATIAL_EYES,
+         FAR_ROBOTS)
 # Parts whose base does not do what it is told.
 BASE_PARTS = (BASES, SPATIAL_BASES)
 # Parts whose object is not always seen.
@@ -61,7 +65,8 @@ OBJECTS = ('box_04', 'carton', 'coffee_table', 'bin')
 # A table that is 0.9 m long cannot be rotated between the walls, and the other engine has only
 # boxes and cylinders; a differential drive cannot hold its contact on a round side.
 FITTING = {part: ('box_04', 'carton', 'bin')
-           for part in (IN_MAPS, FLATS, SPATIAL, SPATIAL_BASES, SLOPES, SPATIAL_EYES)}
+           for part in (IN_MAPS, FLATS, SPATIAL, SPATIAL_BASES, SLOPES, SPATIAL_EYES,
+                        FAR_ROBOTS)}
 KINDS = {part: tuple(f'{name}, {drive}' for name in FITTING.get(part, OBJECTS) for drive in ROBOTS
                      if (name, drive) != ('bin', 'differential'))
          for part in PARTS}
@@ -72,6 +77,11 @@ FARTHEST = 3.0
 # In a flat the goal is at least so far [m]; chosen: mostly in another room.
 FAR_IN_FLAT = 3.0
 ROBOT_WITHIN = 2.0
+# The same of far robots, whose goals are near [m]; chosen: anywhere in a flat, and one room.
+FAR_ROBOT_WITHIN = 10.0
+NEAR_IN_FLAT = 1.5
+# How a task of far robots treats odometry: with a lidar beside it, or alone.
+BY_LIDAR, BY_ODOMETRY = 'lidar', 'odometry alone'
 # Least distance of the robot from the object, and of both from obstacles, at the start [m];
 # chosen, and apart from the settings, so that tasks stay the same.
 CLEARANCE = 0.05
@@ -170,6 +180,15 @@ def jobs(part: str, count: int, kinds: Sequence[str] = ()) -> list[Job]:
             for index in range(count)]
 
 
+def odometry_jobs(tasks: Sequence[Job]) -> list[Job]:
+    """
+    List what tasks of far robots are compared with: each of them by odometry alone.
+
+    :param tasks: of ``jobs``.
+    """
+    return [{**job, 'base': BY_ODOMETRY} for job in tasks]
+
+
 def draw(part: str, kind: str, seed: int, base: str = LEARNED) -> Case:
     """
     Draw a task.
@@ -178,9 +197,12 @@ def draw(part: str, kind: str, seed: int, base: str = LEARNED) -> Case:
     :param kind: one of the ``KINDS`` of this part.
     :param seed: of all draws.
     :param base: what the task is compared with: one of ``TREATMENTS`` of a base, of ``BASE_PARTS``
-        only; ``ALWAYS_SEEN``, of ``EYES_PARTS`` only.
+        only; ``ALWAYS_SEEN``, of ``EYES_PARTS`` only; ``BY_ODOMETRY``, of ``FAR_ROBOTS`` only.
     :return: ``Case``.
     """
+    if part == FAR_ROBOTS:
+        case = _draw(part, kind, seed)
+        return case._replace(variety=BY_ODOMETRY) if base == BY_ODOMETRY else _by_lidar(case)
     if part in (OPEN, IN_MAPS, FLATS, DISTURBED):
         return _draw(part, kind, seed)
     rng = np.random.default_rng((PARTS.index(part), KINDS[part].index(kind), seed))
@@ -214,12 +236,14 @@ def _draw(part: str, kind: str, seed: int) -> Case:
     speed = rng.uniform(0.1, 0.25)
     dropouts: tuple[tuple[float, float], ...] = ()
     floor, variety, intervention = None, '', None
-    if part in (IN_MAPS, FLATS):
+    if part in (IN_MAPS, FLATS, FAR_ROBOTS):
         variety = MAPS[seed % len(MAPS)] if part == IN_MAPS else FLAT
-        floor, start, goal = _in_map(variety, true, robot, rng)
+        is_far = part == FAR_ROBOTS
+        floor, start, goal = _in_map(variety, true, robot, rng, is_near=is_far)
+        within = FAR_ROBOT_WITHIN if is_far else ROBOT_WITHIN
     else:
-        start, goal = Pose(0.0, 0.0, 0.0), _goal(rng)
-    robot_start = _robot_start(true, robot, start, floor, rng)
+        start, goal, within = Pose(0.0, 0.0, 0.0), _goal(rng), ROBOT_WITHIN
+    robot_start = _robot_start(true, robot, start, floor, rng, within=within)
     if part == DISTURBED:
         disturbance = OPEN_DISTURBANCES[seed % len(OPEN_DISTURBANCES)]
         variety = disturbance.value
@@ -243,9 +267,20 @@ def _goal(rng: np.random.Generator) -> Pose:
     return Pose(far * math.cos(bearing), far * math.sin(bearing), heading)
 
 
-def _in_map(name: str, obj: PushedObject, robot: RoundRobot,
-            rng: np.random.Generator) -> tuple[Floor, Pose, Pose]:
-    """Place object and goal where the robot can drive all round, with a path between them."""
+def _by_lidar(case: Case) -> Case:
+    """Give the robot a lidar, by which it finds its place in the map."""
+    scenario = case.scenario
+    return case._replace(variety=BY_LIDAR, scenario=with_sensors(scenario, dataclasses.replace(
+        scenario.sensors, lidar=LidarSensorSettings(rate=10.0))))
+
+
+def _in_map(name: str, obj: PushedObject, robot: RoundRobot, rng: np.random.Generator, *,
+            is_near: bool = False) -> tuple[Floor, Pose, Pose]:
+    """
+    Place object and goal where the robot can drive all round, with a path between them.
+
+    :param is_near: whether the goal is near in a flat, else far.
+    """
     aside = (inner_reach(obj) if name == FLAT else reach(obj)) + CLEARANCE
     around = reach(obj) + CLEARANCE + 2.0 * robot.radius + CLEARANCE
     while True:
@@ -256,9 +291,13 @@ def _in_map(name: str, obj: PushedObject, robot: RoundRobot,
         if not wide.size:
             continue
         first, last = rng.choice(wide, 2)
+        if is_near:
+            away = np.hypot(*(points[wide] - points[first]).T)
+            last = rng.choice(wide[away < NEAR_IN_FLAT])
         start, goal = (Pose(float(points[index, 0]), float(points[index, 1]),
                             rng.uniform(-math.pi, math.pi)) for index in (first, last))
-        if region[first] == region[last] and _is_valid_goal(name, floor, start, goal):
+        is_valid = is_near or _is_valid_goal(name, floor, start, goal)
+        if region[first] == region[last] and is_valid:
             return floor, start, goal
 
 
@@ -273,12 +312,12 @@ def _is_valid_goal(name: str, floor: Floor, start: Pose, goal: Pose) -> bool:
 
 
 def _robot_start(obj: PushedObject, robot: RoundRobot, start: Pose, floor: Optional[Floor],
-                 rng: np.random.Generator) -> Pose:
-    """Place the robot near the object, clear of it and of obstacles."""
+                 rng: np.random.Generator, *, within: float) -> Pose:
+    """Place the robot within a distance [m] of the object, clear of it and of obstacles."""
     occupancy_map = None if floor is None else floor.map.occupancy_map
     while True:
         # The root spreads the places evenly over the disc.
-        away = ROBOT_WITHIN * math.sqrt(rng.uniform())
+        away = within * math.sqrt(rng.uniform())
         bearing, heading = rng.uniform(-math.pi, math.pi, 2)
         pose = Pose(start.x + away * math.cos(bearing), start.y + away * math.sin(bearing),
                     heading)

@@ -9,8 +9,8 @@ from benchmarks.tasks.aims import aim_table
 from benchmarks.tasks.base_tables import base_table, weight_table
 from benchmarks.tasks.bases import LEARNED, treatment
 from benchmarks.tasks.cases import (
-    BASE_PARTS, BASES, DISTURBED, EYES_PARTS, IN_MAPS, OPEN, OWN_EYES, PARTS, SPATIAL_BASES,
-    SPATIAL_EYES, STRICT, WHEELS,
+    BASE_PARTS, BASES, DISTURBED, EYES_PARTS, FAR_ROBOTS, IN_MAPS, OPEN, OWN_EYES, PARTS,
+    SPATIAL_BASES, SPATIAL_EYES, STRICT, WHEELS,
 )
 from benchmarks.tasks.eyes_tables import eyes_table
 from benchmarks.tasks.groups import (
@@ -27,7 +27,7 @@ NOT_MEASURED = 'Not measured in this run.'
 SUMS = 'COUNTS', 'AIMS', 'STATES', 'VARIED', 'FAILURES', 'RECOVERIES'
 # Variations of the tasks on open floor.
 VARIED = tuple(part for part in PARTS
-               if part not in (OPEN, IN_MAPS, DISTURBED, *BASE_PARTS, *EYES_PARTS))
+               if part not in (OPEN, IN_MAPS, DISTURBED, FAR_ROBOTS, *BASE_PARTS, *EYES_PARTS))
 
 
 def text(jobs: Sequence[Job], records: Sequence[Record], page: str = '') -> str:
@@ -58,6 +58,7 @@ def text(jobs: Sequence[Job], records: Sequence[Record], page: str = '') -> str:
         CLEARANCES=collision_table(mapped) if mapped else NOT_MEASURED,
         DISTURBED=success_table(disturbed) if disturbed else NOT_MEASURED,
         BASES=_bases(all_pairs, BASES), SPATIALBASES=_bases(all_pairs, SPATIAL_BASES),
+        FARROBOTS=_far_robots(all_pairs),
         EYES=_eyes(all_pairs, OWN_EYES), SPATIALEYES=_eyes(all_pairs, SPATIAL_EYES),
         FAILURES=failure_table(pairs), RECOVERIES=recovery_table(pairs))
     return updated_page(TEXT, new, page, lambda name, value: (
@@ -72,6 +73,13 @@ def _bases(pairs: Sequence[Pair], part: str) -> str:
     if not any(job['part'] == part for job, _ in pairs):
         return NOT_MEASURED
     return f'{base_table(pairs, part)}\n\n{weight_table(pairs, part)}'
+
+
+def _far_robots(pairs: Sequence[Pair]) -> str:
+    groups = grouped_parts(pairs, (FAR_ROBOTS,), variety)[1:]
+    if not groups:
+        return NOT_MEASURED
+    return f'{success_table(groups)}\n\n{collision_table(groups)}'
 
 
 def _eyes(pairs: Sequence[Pair], part: str) -> str:

@@ -107,7 +107,7 @@ class StandoffApproach(Behavior[TaskPerception]):
 
     def _drive(self, perception: TaskPerception, object_pose: Pose) -> DriveSettings:
         supervision, growth = self._context.supervision, 0.0
-        if not perception.is_robot_measured:
+        if not (perception.is_robot_measured or perception.is_robot_placed):
             growth = (max(supervision.odometry_scale, supervision.odometry_drift)
                       * distance(perception.robot_pose, object_pose))
         return self._context.drive.for_uncertain_robot(

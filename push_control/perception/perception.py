@@ -18,7 +18,7 @@ from push_control.perception.raw_perception import RawPerception
 from push_control.perception.view import View
 from push_control.settings import ControlSettings
 from push_control.supervision_settings import SupervisionSettings
-from push_model.events import EventReport, Report
+from push_model.events import EventReport, PushEvent, Report
 from push_model.geometry import Pose
 from push_model.observation import Observation
 from push_model.parameters import PushedObject, RoundRobot
@@ -70,6 +70,8 @@ class TaskPerception(RawPerception):
         # A push of which the average of the object at rest is to show the effect.
         self._tap: Tap | None = None
         self._is_tap_new = False
+        # Whether a place in the map has put the robot elsewhere, and nobody has asked yet.
+        self._is_relocated = False
 
     # Measurements.
 
@@ -84,10 +86,14 @@ class TaskPerception(RawPerception):
             self._take_odometry(odometry)
         if measured is not None and has_pose:
             measured = self._take_object_pose(measured)
+        if observation.place is not None and self.localization.take_place(observation.place):
+            self._is_relocated = True
+            self._observe(RobotLocalized())
         if has_odometry or has_pose:
             odometry = self.localization.corrected(odometry)
         self._observation = Observation(observation.time, odometry, measured,
-                                        observation.pose_rejection, observation.base)
+                                        observation.pose_rejection, observation.base,
+                                        observation.place)
         if self.has_limited_view and not self.expects_pose:
             self._unexpected_at = self.time
 
@@ -190,7 +196,10 @@ class TaskPerception(RawPerception):
 
     def measurement_fault(self, needs_object: bool) -> EventReport | None:
         """Tell why the measurements cannot be used; a robot that is blind needs no pose."""
-        return super().measurement_fault(needs_object and not self.is_blind)
+        fault = super().measurement_fault(needs_object and not self.is_blind)
+        if fault is None and self.localization.is_place_lost:
+            return PushEvent.PLACE_LOST.report()
+        return fault
 
     @property
     def object_pose(self) -> ObjectPose:
@@ -256,6 +265,16 @@ class TaskPerception(RawPerception):
     def is_robot_measured(self) -> bool:
         """Tell whether odometry measures the robot in the world, without drift."""
         return self.localization.is_robot_measured
+
+    @property
+    def is_robot_placed(self) -> bool:
+        """Tell whether the place of the robot in its map is measured, beside odometry."""
+        return self.localization.is_robot_placed
+
+    def pop_relocation(self) -> bool:
+        """Tell once that the robot is elsewhere in its map than it seemed to be."""
+        is_relocated, self._is_relocated = self._is_relocated, False
+        return is_relocated
 
     @property
     def is_robot_elsewhere(self) -> bool:

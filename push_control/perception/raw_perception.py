@@ -178,6 +178,10 @@ class RawPerception:
         """Tell whether jumps of odometry have put the robot elsewhere: nothing known holds."""
         return False
 
+    def pop_relocation(self) -> bool:
+        """Tell once that the robot is elsewhere in its map than it seemed to be."""
+        return False
+
     @property
     def repeats_pose(self) -> bool:
         """Tell whether the last object poses are one, to the last digit."""

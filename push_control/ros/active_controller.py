@@ -11,7 +11,7 @@ from builtin_interfaces.msg import Time
 from push_control.events import TaskEvent
 from push_control.goal import GoalOutcome
 from push_control.ros.base_check import BaseCheck, BaseFault
-from push_control.ros.command_gate import CommandGate
+from push_control.ros.command_gate import AnyMeasurement, CommandGate
 from push_control.ros.commands import CommandPublisher
 from push_control.ros.exclusion_zones import ExclusionZones
 from push_control.ros.goal_entry import GoalEntry
@@ -20,6 +20,7 @@ from push_control.ros.objects.catalogue import ObjectCatalogue
 from push_control.ros.other_commanders import OtherCommanders
 from push_control.ros.parameters import ControllerParameters, OBJECT_NAME, OBJECT_PREFIX
 from push_control.ros.push_action import GoalReceiver, ObjectSelector, PushActionServer
+from push_control.ros.robot_placing import RobotPlacing
 from push_control.ros.scene import ScenePublisher
 from push_control.ros.start_state import StartState
 from push_model.events import AnyReport
@@ -70,7 +71,8 @@ class ActiveController:
         self._parameters = parameters
         self._world = world
         self._scene = ScenePublisher(node, parameters)
-        self.pursuit = GoalPursuit(node, parameters, self._scene)
+        self._placing = RobotPlacing(parameters, world)
+        self.pursuit = GoalPursuit(node, parameters, self._scene, self._placing)
         self.goals = GoalEntry(node, self.pursuit, frames.world_frame,
                                is_lockstep=options.lockstep)
         self._others = OtherCommanders(node, stamped=options.enable_stamped_cmd_vel)
@@ -111,6 +113,7 @@ class ActiveController:
             accept_relative=self.on_relative_pose)), real_time=True,
             with_covariance=self._parameters.options.object_pose_with_covariance,
             frame=frames.world_frame)
+        self._subscribe_place()
         node.subscribe('push_plan', self.on_plan, real_time=True)
         node.subscribe('goal_pose', world.receiver('goal_pose', Handlers(
             self._on_goal, self._refuse_goal, self.goals.move)))
@@ -127,6 +130,16 @@ class ActiveController:
         self._topics = TopicWatch(node, self._awaited_topics)
         self._report_status()
         self._base.run(self._report_base)
+
+    def _subscribe_place(self) -> None:
+        """Subscribe to what measures the place of the robot in the map, if anything does."""
+        node, world, source = self._node, self._world, self._parameters.place.source
+        if source == 'scan':
+            node.subscribe('scan', self.on_scan, real_time=True)
+        elif source == 'place':
+            node.subscribe('place', world.receiver('place', Handlers(
+                self.on_place, self._refuse_measurement)), real_time=True,
+                frame=self._parameters.frames.world_frame)
 
     def deactivate(self) -> None:
         """Stop the robot, and forget the goal."""
@@ -180,8 +193,26 @@ class ActiveController:
         self._on_measurement(
             message, lambda relative, _: from_relative_pose_message(relative, base_frame))
 
+    def on_scan(self, message: Any) -> None:
+        """
+        Answer a scan of the lidar.
+
+        :param message: ``sensor_msgs/LaserScan``.
+        """
+        self._world.take()
+        self._on_measurement(message, lambda scan, _: self._placing.read_scan(scan))
+
+    def on_place(self, message: Any) -> None:
+        """
+        Answer a place of the robot in the map.
+
+        :param message: ``geometry_msgs/PoseWithCovarianceStamped`` in the world frame, or values
+            with its attributes.
+        """
+        self._on_measurement(message, lambda place, _: self._placing.read_place(place))
+
     def _on_measurement(self, message: Any,
-                        receive: Callable[[Any, str], Odometry | ObjectPose]) -> None:
+                        receive: Callable[[Any, str], AnyMeasurement]) -> None:
         """Receive, check, decide, guard, send."""
         try:
             measured = receive(message, self._parameters.frames.world_frame)
@@ -193,7 +224,7 @@ class ActiveController:
         self._send(command, message.header.stamp)
         self._report()
 
-    def _check(self, measured: Odometry | ObjectPose, message: Any) -> None:
+    def _check(self, measured: AnyMeasurement, message: Any) -> None:
         """Refuse a stamp that is off; start over where time went back."""
         news = self._gate.check(measured, message)
         if news.has_gap:
@@ -202,12 +233,17 @@ class ActiveController:
         if news.went_back:
             self._start_over(WARN, TaskEvent.TIME_WENT_BACK.report())
 
-    def _decide_guarded(self, measured: Odometry | ObjectPose) -> Twist:
+    def _decide_guarded(self, measured: AnyMeasurement) -> Twist:
         """Let the pursuit decide between the two sides of the guard."""
-        dt = self._latest.add(measured)
+        dt = 0.0
+        if isinstance(measured, (Odometry, ObjectPose)):
+            dt = self._latest.add(measured)
+        self._placing.update(measured, self._latest.object_pose)
         self.goals.update(self._latest.time)
         observation = self._latest.observation
-        return STOP if observation is None else self._gate.guard(self.pursuit, observation, dt)
+        if observation is None:
+            return STOP
+        return self._gate.guard(self.pursuit, observation._replace(place=self._placing.newest), dt)
 
     def _send(self, command: Twist, stamp: Time) -> None:
         """Send a command; in lockstep not before the plan that a measurement waits for."""
@@ -373,6 +409,7 @@ class ActiveController:
         name, obj = self._parameters.named_object
         self.pursuit.set_object(self._parameters)
         self._gate.set_object(obj)
+        self._placing.set_object(obj)
         self._scene.set_object(obj)
         self._latest.object_pose = None
         if self._action is not None:
@@ -407,6 +444,7 @@ class ActiveController:
         self.pursuit.reset()
         self._world.reset()
         self._latest = LatestMeasurements()
+        self._placing.reset()
         self._gate.reset()
         self._unanswered = []
 

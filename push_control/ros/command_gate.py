@@ -3,7 +3,7 @@
 import math
 from pathlib import Path
 import time
-from typing import Any, NamedTuple, TYPE_CHECKING
+from typing import Any, NamedTuple, TYPE_CHECKING, TypeAlias
 
 from push_control.ros.base_memory import BaseMemory
 from push_control.ros.measurements import ClockCheck, OdometryState, OdometryWatchdog
@@ -12,7 +12,7 @@ from push_control.ros.parameters import ControllerParameters
 from push_control.settings import ControlSettings
 from push_model.observation import Observation
 from push_model.parameters import PushedObject
-from push_model.signals import ObjectPose, Odometry, STOP, Twist
+from push_model.signals import LidarScan, ObjectPose, Odometry, RobotPlace, STOP, Twist
 from push_ros.conversions.primitives import MessageRefused, nanoseconds
 from push_ros.diagnostics import WARN
 from push_ros.node import PushNode
@@ -28,6 +28,9 @@ if TYPE_CHECKING:  # It is imported once the node has reported.
 # Times that odometry may come again with the same stamp in lockstep; chosen: a simulator asks
 # again now and then where there is no answer, and a clock that stands shows in a quarter second.
 MAX_REPETITIONS = 12
+AnyMeasurement: TypeAlias = Odometry | ObjectPose | LidarScan | RobotPlace
+# Topics of measurements, by their types.
+TOPIC_OF = {Odometry: 'odom', ObjectPose: 'object_pose', LidarScan: 'scan', RobotPlace: 'place'}
 
 
 class StampNews(NamedTuple):
@@ -89,11 +92,11 @@ class CommandGate:
         self._newest_stamp: float | None = None
         self._repetitions = 0
 
-    def check(self, measured: Odometry | ObjectPose, message: Any) -> StampNews:
+    def check(self, measured: AnyMeasurement, message: Any) -> StampNews:
         """
         Check the stamp of a measurement.
 
-        :param measured: ``Odometry`` or ``ObjectPose``.
+        :param measured: the measurement.
         :param message: its message.
         :raises MessageRefused: where the stamp is off.
         """
@@ -103,8 +106,7 @@ class CommandGate:
         check = self._stamps.check_odometry if is_odometry else self._stamps.check_pose
         verdict = check(measured.time, now)
         if verdict is StampVerdict.REFUSED:
-            raise MessageRefused(self._stamp_fault('odom' if is_odometry else 'object_pose',
-                                                   difference))
+            raise MessageRefused(self._stamp_fault(TOPIC_OF[type(measured)], difference))
         if verdict is StampVerdict.TIME_WENT_AHEAD:
             self._node.get_logger().warning(
                 f'odom: time went ahead by {difference:.2f} s; goes on at the new one')

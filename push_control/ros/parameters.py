@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 from push_control.settings import ControlSettings
 from push_control.supervision_settings import SupervisionSettings
+from push_localization.settings import PlaceSettings
 from push_model.parameters import PushedObject, RoundRobot
 from push_navigation.settings import DriveSettings, MapSettings
 from push_ros.node_settings import (
@@ -14,7 +15,7 @@ OBJECT_PREFIX, OBJECT_NAME = 'object.', 'object_name'
 # Prefix and class of each field of ``ControllerParameters``, in their order.
 SECTIONS = ((OBJECT_PREFIX, PushedObject), ('robot.', RoundRobot), ('control.', ControlSettings),
             ('drive.', DriveSettings), ('supervision.', SupervisionSettings),
-            ('map.', MapSettings), ('base.', BaseSettings),
+            ('map.', MapSettings), ('place.', PlaceSettings), ('base.', BaseSettings),
             ('collision_monitor.', CollisionMonitorSettings), ('', Frames),
             ('', ControllerOptions))
 
@@ -28,6 +29,7 @@ class ControllerParameters(NamedTuple):
     :param drive: for tasks.
     :param supervision: for tasks.
     :param map: how maps are read.
+    :param place: what measures the place of the robot in the map.
     :param base: what the base's own node must be set to.
     :param collision_monitor: which monitor ignores the object while it is pushed.
     :param options: how the node behaves.
@@ -39,6 +41,7 @@ class ControllerParameters(NamedTuple):
     drive: DriveSettings
     supervision: SupervisionSettings
     map: MapSettings
+    place: PlaceSettings
     base: BaseSettings
     collision_monitor: CollisionMonitorSettings
     frames: Frames

@@ -13,6 +13,7 @@ from push_control.ros.measurements import CovarianceCheck
 from push_control.ros.objects.knowledge import KnowledgeFile, KnowledgeMemory
 from push_control.ros.parameters import ControllerParameters
 from push_control.ros.plan_entry import PlanEntry
+from push_control.ros.robot_placing import RobotPlacing
 from push_control.ros.scene import ScenePublisher
 from push_control.ros.start_state import StartState
 from push_control.ros.task_progress import task_progress, with_errors
@@ -43,14 +44,17 @@ class GoalPursuit:
     """
 
     def __init__(self, node: PushNode, parameters: ControllerParameters,
-                 scene: ScenePublisher) -> None:
+                 scene: ScenePublisher, placing: RobotPlacing) -> None:
         """
         Wait for a goal.
+
+        :param placing: ``RobotPlacing``, which gets the map.
 
         :raises ValueError: where ``knowledge_file`` cannot be read.
         """
         options = parameters.options
         self._options = options
+        self._placing = placing
         self._parameters = parameters
         self._logger = node.get_logger()
         self.start_state = StartState.first(waits=options.wait_for_start)
@@ -320,9 +324,10 @@ class GoalPursuit:
             return
         if taken.change is MapChange.NEW:
             self._supervisor.set_map(self._floor.occupancy_map)
+            self._placing.set_map(taken.message)
             self._reporter.report_map(taken.message)
         elif taken.change is MapChange.MOVED:
-            self._supervisor.move_map(self._floor.occupancy_map)
+            self._move_map()
 
     def move_map(self, correction: Pose) -> None:
         """
@@ -331,7 +336,13 @@ class GoalPursuit:
         :param correction: ``Pose``, as of ``move_goal``.
         """
         if self._floor.move(correction):
-            self._supervisor.move_map(self._floor.occupancy_map)
+            self._move_map()
+
+    def _move_map(self) -> None:
+        occupancy_map = self._floor.occupancy_map
+        self._supervisor.move_map(occupancy_map)
+        if occupancy_map is not None:
+            self._placing.set_map_origin(occupancy_map.origin)
 
     # Plans.
 

@@ -43,7 +43,7 @@ SPINNING = BehaviorFailure.WHEELS_SPIN, BehaviorFailure.OBJECT_UNYIELDING
 class _Answer(NamedTuple):
     """The last command, the times of the measurements that it answers, and whose it is."""
 
-    stamps: tuple[float, float, float | None] | None = None
+    stamps: tuple[float, float, float | None, float | None] | None = None
     command: Twist = STOP
     behavior: Behavior[Any] | None = None
 
@@ -197,6 +197,8 @@ class TaskExecution:
             if knowledge is not None:
                 self._perception.start_from(knowledge)
         self._perception.update(observation)
+        if self._perception.pop_relocation() and not (starts_over or self.state.is_standing):
+            self._enter(TaskState.PLAN, TaskEvent.RELOCATED.report())
         if not starts_over:
             return
         if self.state.is_standing:

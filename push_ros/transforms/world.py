@@ -178,6 +178,20 @@ class WorldFrame:
             raise refused[0]
         return accepted[0]
 
+    def fixed_to_base(self, frame: str) -> RigidTransform | None:
+        """
+        Look up where a frame is that static transforms fix to the robot.
+
+        :param frame: frame id.
+        :return: its pose in the base frame; None where there is no such transform yet.
+        """
+        if self._base_frame is None:
+            return None
+        if self._listener is None:
+            self._listener = self._listen()
+        self._listener.take()
+        return self._buffer.rigid(self._base_frame, frame)
+
     def take(self) -> None:
         """Hand on messages whose transforms have come, without waiting for the executor."""
         if self._listener is not None and not all(item.is_refused for item in self._waiting):

@@ -59,5 +59,5 @@ def run_program(program: CalibrationProgram, simulation: Simulation,
             if pose is not None:
                 recording.robot_poses.append(ReceivedPose(time, pose))
             progress(time)
-        else:
+        elif isinstance(measured, ObjectPose):
             recording.object_poses.append(ReceivedPose(time, measured))

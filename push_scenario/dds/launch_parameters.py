@@ -5,13 +5,14 @@ from pathlib import Path
 import tempfile
 from typing import Any, Callable, TypeVar
 
+from push_localization.settings import PlaceSettings
 from push_model.files.flat_values import from_parameter_values, to_parameter_values
 from push_model.files.parameter_files import (
     named_file, ParameterFileError, read_object, read_robot,
 )
 from push_model.parameters import PushedObject, RoundRobot
 from push_ros.topics import CONTROLLER, SIM
-from push_scenario.definition.expected_poses import expected_poses
+from push_scenario.definition.expected_poses import expected_place, expected_poses
 from push_scenario.definition.loader import read_sensors
 from push_sim_node.sensors import SensorSettings
 import yaml
@@ -86,14 +87,18 @@ def _read(argument: str, path: Path, read: Callable[[Path], Values]) -> Values:
 
 def pose_settings(sensors: SensorSettings, robot_radius: float) -> dict[str, Any]:
     """
-    Compute what the controller has to know of poses, as ``expected_poses`` does.
+    Compute what the controller has to know of poses and of a lidar, as ``expected_poses`` does.
 
     :param robot_radius: [m].
     :return: parameters of the controller, with dotted names.
     """
     expected = expected_poses(sensors, robot_radius)
+    place = {}
+    if sensors.lidar.rate > 0.0:
+        place = to_parameter_values(expected_place(PlaceSettings(), sensors.lidar), 'place.')
     return {**{f'control.{name}': value for name, value in expected.control.items()},
-            **{f'supervision.{name}': value for name, value in expected.supervision.items()}}
+            **{f'supervision.{name}': value for name, value in expected.supervision.items()},
+            **place}
 
 
 def write_parameters(sections: dict[str, dict[str, Any]], folder: str | Path) -> str:

@@ -75,7 +75,7 @@ def _controller_sections(scenario: Scenario, settings: ControlSettings) -> list[
     if scenario.task is not None:
         task = scenario.task
         sections += [('drive.', task.drive), ('supervision.', task.supervision),
-                     ('map.', task.map_reading)]
+                     ('map.', task.map_reading), ('place.', task.place)]
     return sections
 
 

@@ -6,9 +6,11 @@ from typing import Any, NamedTuple
 
 from push_control.settings import ControlSettings
 from push_control.supervision_settings import SupervisionSettings
-from push_model.quantity import MIN_VALUES
+from push_localization.settings import PlaceSettings
+from push_model.quantity import MIN_NOISE, MIN_VALUES
 from push_scenario.definition.scenario import Scenario
 from push_sim_node.camera import CameraSettings
+from push_sim_node.lidar import LidarSensorSettings
 from push_sim_node.sensors import SensorSettings
 
 # Periods of poses after which one is missed, beyond their latency; chosen: two may be lost.
@@ -109,5 +111,21 @@ def with_sensors(scenario: Scenario, sensors: SensorSettings) -> Scenario:
     control, supervision = expected_poses(sensors, scenario.robot.radius)
     return dataclasses.replace(
         scenario, sensors=sensors, control=dataclasses.replace(scenario.control, **control),
-        task=dataclasses.replace(task, supervision=dataclasses.replace(
-            task.supervision, **supervision)))
+        task=dataclasses.replace(
+            task, place=expected_place(task.place, sensors.lidar),
+            supervision=dataclasses.replace(task.supervision, **supervision)))
+
+
+def expected_place(place: PlaceSettings, lidar: LidarSensorSettings) -> PlaceSettings:
+    """
+    Return what the controller has to know of a lidar: its mounting and noise.
+
+    :param place: ``PlaceSettings`` for the rest.
+    :return: settings that use no scans where there is no lidar.
+    """
+    if lidar.rate == 0.0:
+        return dataclasses.replace(place, source='none')
+    return dataclasses.replace(
+        place, source='scan', mount='stated', mount_x=lidar.mount_x, mount_y=lidar.mount_y,
+        mount_heading=lidar.mount_heading, noise=max(lidar.noise, MIN_NOISE),
+        sees_object=lidar.sees_object)

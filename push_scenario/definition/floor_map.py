@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from push_dynamics.walls import Wall
+from push_model.geometry import BoolArray
 from push_model.quantity import check, quantity
 from push_navigation.map_file import GridMap
 from push_navigation.occupancy_map import OccupancyMap
@@ -42,6 +43,11 @@ class FloorMap:
         codes = np.frombuffer(''.join(lines).encode('ascii'), dtype=np.uint8)
         return codes.reshape(len(lines), -1)[::-1]
 
+    @property
+    def occupied(self) -> BoolArray:
+        """Tell whether each cell is occupied, and not only unknown, shape (rows, columns)."""
+        return self.characters == ord(OCCUPIED)
+
     @functools.cached_property
     def occupancy_map(self) -> OccupancyMap:
         """The same where unknown cells are obstacles."""
@@ -54,7 +60,7 @@ class FloorMap:
 
     def read(self, settings: MapSettings) -> OccupancyMap:
         """Return the same as an ``OccupancyMap``; its origin is the lower left corner."""
-        occupied = self.characters == ord(OCCUPIED)
+        occupied = self.occupied
         if not settings.allow_unknown:
             occupied |= self.characters == ord(UNKNOWN)
         return OccupancyMap(self.resolution, self.origin.pose, occupied)

@@ -4,6 +4,7 @@ import dataclasses
 import functools
 
 from push_control.supervision_settings import SupervisionSettings
+from push_localization.settings import PlaceSettings
 from push_model.quantity import check, quantity
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.settings import DriveSettings, MapSettings
@@ -31,6 +32,7 @@ class Task:
     supervision: SupervisionSettings = SupervisionSettings()
     map: FloorMap | None = None
     map_reading: MapSettings = MapSettings()
+    place: PlaceSettings = PlaceSettings()
     goals: tuple[LaterGoal, ...] = quantity('goals that are given later', default=())
 
     def __post_init__(self) -> None:

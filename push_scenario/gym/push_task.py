@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.observation import Observation
 from push_model.parameters import PushedObject, RoundRobot
-from push_model.signals import Odometry, Twist
+from push_model.signals import ObjectPose, Odometry, Twist
 from push_scenario.definition.loader import load_scenario
 from push_scenario.definition.placement import Placement
 from push_scenario.definition.scenario import Scenario, Start
@@ -133,8 +133,9 @@ class PushTask(gymnasium.Env[Vector, Vector]):
         while True:
             measurement = self._simulation.next_measurement()
             now, known = self._simulation.time, self._measured
-            if not isinstance(measurement, Odometry):
+            if isinstance(measurement, ObjectPose):
                 self._measured = Observation(now, known.odometry, measurement)
+            if not isinstance(measurement, Odometry):
                 continue
             self._measured = Observation(now, measurement, known.object_pose)
             # Half a nanosecond: times are whole ones.

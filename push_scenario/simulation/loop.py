@@ -13,9 +13,11 @@ from typing import NamedTuple
 from push_control.steered.laws.own_law import check_own_law
 from push_control.steered.laws.steering_law import SteeringLaw
 from push_control.task.supervisor import Supervisor
+from push_localization.localizer import LidarLocalizer
+from push_localization.wall_field import WallField
 from push_model.geometry import distance
 from push_model.observation import Observation
-from push_model.signals import ObjectPose, Odometry
+from push_model.signals import LidarScan, ObjectPose, Odometry, RobotPlace
 from push_planner.problem import PlanningFailed
 from push_planner.task_planner import plan_for_request, PushPlanner
 from push_safety.layer import SafetyLayer
@@ -24,7 +26,7 @@ from push_scenario.simulation.result import Outcome, RunResult
 from push_scenario.simulation.robot_control import Ending, make_robot_control, RobotControl
 from push_scenario.simulation.start import place_robot
 from push_sim_node.plant import Plant
-from push_sim_node.simulation import Simulation
+from push_sim_node.simulation import Measurement, Simulation
 from push_sim_node.truth import Truth
 
 # What counts as rest: 0.1 mm in a second, chosen far below any motion of interest [m/s, rad/s].
@@ -92,7 +94,8 @@ def simulate(scenario: Scenario, law: str | type[SteeringLaw] | None = None, *,
     except PlanningFailed as failure:
         return RunResult(scenario, scenario.control.control_law, Outcome.REFUSED, failure.reason,
                          codes=(failure.code,))
-    loop = ClosedLoop(simulation, robot, make_safety_layer(scenario), observation, progress)
+    loop = ClosedLoop(simulation, robot, make_safety_layer(scenario), observation, progress,
+                      localizer=make_localizer(scenario))
     ending = loop.run(scenario.time_limit, intervene)
     duration = simulation.time
     record = robot.record(ending, duration)
@@ -135,6 +138,18 @@ def make_simulation(scenario: Scenario, plant_type: type[Plant] = Plant) -> Simu
                       plant_type=plant_type)
 
 
+def make_localizer(scenario: Scenario) -> LidarLocalizer | None:
+    """Make what finds the robot in the map of a task by scans; None where nothing is to."""
+    task = scenario.task
+    if task is None or task.place.source != 'scan':
+        return None
+    localizer = LidarLocalizer(task.place, scenario.object)
+    if task.map is not None:
+        localizer.set_field(WallField(task.map.resolution, task.map.origin.pose, task.map.occupied,
+                                      task.place.wall_offset))
+    return localizer
+
+
 def is_at_rest(truth: Truth) -> bool:
     """
     Tell whether robot and object are at rest.
@@ -156,14 +171,16 @@ def first_observation(simulation: Simulation) -> Observation:
         measurement = simulation.next_measurement()
         if isinstance(measurement, Odometry):
             return Observation(simulation.time, measurement, object_pose)
-        object_pose = measurement
+        if isinstance(measurement, ObjectPose):
+            object_pose = measurement
 
 
 class ClosedLoop:
     """Plant and robot: one command for every measurement."""
 
     def __init__(self, simulation: Simulation, robot: RobotControl, safety: SafetyLayer,
-                 observation: Observation, report: ProgressCallback | None = None) -> None:
+                 observation: Observation, report: ProgressCallback | None = None, *,
+                 localizer: LidarLocalizer | None = None) -> None:
         """
         Answer the first measurements.
 
@@ -171,7 +188,11 @@ class ClosedLoop:
         :param safety: ``SafetyLayer`` between the two.
         :param observation: the first measurements.
         :param report: called with a ``Progress`` at every measurement; None for nobody.
+        :param localizer: ``LidarLocalizer`` that finds the robot by scans; None for none.
         """
+        self._localizer = localizer
+        if localizer is not None:
+            localizer.add_odometry(observation.odometry)
         self._simulation = simulation
         self._robot = robot
         self._observation = observation
@@ -218,15 +239,32 @@ class ClosedLoop:
         """
         measurement = self._simulation.next_measurement()
         now, before = self._simulation.time, self._observation
-        if isinstance(measurement, Odometry):
-            self._observation = Observation(now, measurement, before.object_pose)
-        else:
-            self._observation = Observation(now, before.odometry, measurement)
+        self._observation = self._observed(now, before, measurement)
         self._step(now - before.time)
         if self._report is not None:
             object_pose = self._simulation.plant.object_pose
             self._report(Progress(stage or self._robot.stage, now,
                                   distance(object_pose, self._robot.goal)))
+
+    def _observed(self, now: float, before: Observation,
+                  measurement: Measurement) -> Observation:
+        """Add a measurement to what was observed before."""
+        localizer = self._localizer
+        if isinstance(measurement, ObjectPose):
+            return before._replace(time=now, object_pose=measurement)
+        if isinstance(measurement, Odometry):
+            if localizer is not None:
+                localizer.add_odometry(measurement)
+            return before._replace(time=now, odometry=measurement)
+        return before._replace(time=now, place=self._located(measurement) or before.place)
+
+    def _located(self, scan: LidarScan) -> RobotPlace | None:
+        """Find the robot by a scan, which comes after the odometry of its end."""
+        localizer = self._localizer
+        if localizer is None:
+            return None
+        localizer.add_scan(scan)
+        return localizer.locate(self._observation.object_pose)
 
     def _step(self, dt: float) -> None:
         """Command the robot, through the safety layer."""

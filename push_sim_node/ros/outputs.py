@@ -7,7 +7,8 @@ from builtin_interfaces.msg import Time
 from geometry_msgs.msg import TransformStamped
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
-from push_model.signals import ObjectPose, Odometry
+from push_model.signals import LidarScan, Odometry
+from push_ros.conversions.lidar import to_scan_message
 from push_ros.conversions.markers import MarkerHeader, scene_markers
 from push_ros.conversions.measurements import to_wrench_message, VARIANCE_INDICES
 from push_ros.conversions.primitives import exact_stamp, NANOSECONDS, to_quaternion
@@ -16,9 +17,10 @@ from push_ros.node import PushNode, RateLimiter
 from push_ros.node_settings import Frames, SimOptions
 from push_ros.qos import EVENT
 from push_sim_node.sensors import MIN_DEVIATION, SensorSettings
-from push_sim_node.simulation import Simulation
+from push_sim_node.simulation import Measurement, Simulation
 from push_sim_node.truth import Truth
 from rclpy.duration import Duration
+from rclpy.serialization import serialize_message
 from rosgraph_msgs.msg import Clock
 
 try:
@@ -35,6 +37,8 @@ TRUTH_RATE = 20.0
 # Time within which recorders must acknowledge the last measurements [s]; chosen: enough for some
 # resends to one whose computer is busy.
 FLUSH_TIMEOUT = Duration(seconds=1.0)
+# Frame of scans, which hangs on the robot as the settings of the lidar say.
+LIDAR_FRAME = 'lidar'
 # Fraction of a period of the clock by which a time may be early, for its rounding.
 CLOCK_ROUNDING = 1e-6
 
@@ -44,12 +48,12 @@ class PublishedMeasurement(NamedTuple):
     A measurement as it was published.
 
     :param stamp: of it [ns].
-    :param is_object_pose: whether it is an object pose, else odometry.
+    :param topic: name of its topic.
     :param data: the message, serialized.
     """
 
     stamp: int
-    is_object_pose: bool
+    topic: str
     data: bytes
 
 
@@ -94,8 +98,8 @@ class SimOutputs:
         self._owns_time = options.owns_time
         self._twist_covariance = twist_covariance(sensors)
         self._epoch = 0
-        self._odometry = node.publisher('odom')
-        self._object_pose = node.publisher('object_pose')
+        self._measurements = {topic: node.publisher(topic) for topic in (
+            'odom', 'object_pose', *(['scan'] if sensors.lidar.rate > 0.0 else []))}
         self._wrench = _Output(node.publisher('contact_wrench'), WRENCH_RATE)
         self._markers = _Output(node.publisher('markers'), MARKER_RATE)
         self._clock = node.publisher('clock') if self._owns_time else None
@@ -145,33 +149,35 @@ class SimOutputs:
     def _nanoseconds(self, time: float) -> int:
         return self._epoch + math.floor(time * NANOSECONDS + 0.5)
 
-    def publish_measurement(self, measurement: Odometry | ObjectPose) -> PublishedMeasurement:
+    def publish_measurement(self, measurement: Measurement) -> PublishedMeasurement:
         """
         Publish a measurement.
 
-        :param measurement: ``Odometry`` or ``ObjectPose``.
+        :param measurement: the measurement; a scan is in ``LIDAR_FRAME``.
         :return: what was published.
         """
         self.publish_clock(measurement.time)
         stamp, world = self._nanoseconds(measurement.time), self._frames.world_frame
         if isinstance(measurement, Odometry):
             base = self._frames.base_frame
-            published = PublishedMeasurement(stamp, False, serialize_odometry(
+            published = PublishedMeasurement(stamp, 'odom', serialize_odometry(
                 measurement, stamp, (world, base), self._twist_covariance))
             self._publish_transforms(measurement.time, {base: measurement.pose})
+        elif isinstance(measurement, LidarScan):
+            published = PublishedMeasurement(stamp, 'scan', serialize_message(to_scan_message(
+                measurement, exact_stamp(stamp), LIDAR_FRAME)))
         elif measurement.relative is not None:
-            published = PublishedMeasurement(stamp, True, serialize_object_pose(
+            published = PublishedMeasurement(stamp, 'object_pose', serialize_object_pose(
                 measurement._replace(pose=measurement.relative), stamp, self._frames.base_frame))
         else:
-            published = PublishedMeasurement(stamp, True, serialize_object_pose(
+            published = PublishedMeasurement(stamp, 'object_pose', serialize_object_pose(
                 measurement, stamp, world))
         self.republish(published)
         return published
 
     def republish(self, published: PublishedMeasurement) -> None:
         """Publish a measurement as it stands."""
-        publisher = self._object_pose if published.is_object_pose else self._odometry
-        publisher.publish(published.data)
+        self._measurements[published.topic].publish(published.data)
 
     def publish_clock(self, time: float) -> None:
         """
@@ -212,7 +218,7 @@ class SimOutputs:
 
     def flush(self) -> None:
         """Wait until recorders have the measurements: at the end, before publishers go."""
-        for publisher in self._odometry, self._object_pose:
+        for publisher in self._measurements.values():
             publisher.wait_for_all_acked(FLUSH_TIMEOUT)
 
     def _publish_wrench(self, truth: Truth) -> None:

@@ -9,7 +9,8 @@ from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.wall_segments import map_walls
 from push_safety.layer import SafetyLayer
 from push_scenario.simulation.loop import (
-    ClosedLoop, first_observation, make_safety_layer, make_simulation, PLANNING_TIME)
+    ClosedLoop, first_observation, make_localizer, make_safety_layer, make_simulation,
+    PLANNING_TIME)
 from push_scenario.simulation.robot_control import TaskControl
 from push_sim_node.sensors import SensorSettings
 from push_sim_node.simulation import Simulation
@@ -55,7 +56,8 @@ class LiveRun:
         self._robot = TaskControl(scenario, setup.task, PLANNING_TIME)
         self._robot.set_map(occupancy_map)
         safety: SafetyLayer = make_safety_layer(scenario)
-        self._loop = ClosedLoop(self._simulation, self._robot, safety, observation)
+        self._loop = ClosedLoop(self._simulation, self._robot, safety, observation,
+                                localizer=make_localizer(scenario))
         self._display = RunDisplay(log, self._simulation, self._robot, safety,
                                    len(scenario.object.supports))
         self._show_start(setup)

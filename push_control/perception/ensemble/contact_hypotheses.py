@@ -97,6 +97,31 @@ class ContactHypotheses(EnsembleReading):
             alternative.ensemble.update_robot(pose, covariance)
         self._ensemble.update_robot(pose, covariance)
 
+    def update_place(self, pose: Pose, covariance: FloatArray) -> None:
+        """
+        Correct all hypotheses by the place of the robot in a map.
+
+        :param pose: as of ``PushEnsemble.update_place``.
+        :param covariance: likewise.
+        """
+        for alternative in self._alternatives:
+            alternative.ensemble.update_place(pose, covariance)
+        self._ensemble.update_place(pose, covariance)
+
+    def contradicts(self, pose: Pose, covariance: FloatArray) -> bool:
+        """
+        Tell whether a measured pose of the robot is one that the estimate does not explain.
+
+        :param pose: as of ``PushEnsemble.contradicts``.
+        :param covariance: likewise.
+        """
+        return self._ensemble.contradicts(pose, covariance)
+
+    @property
+    def time_since_contact(self) -> float:
+        """Time from the last contact to the last odometry [s]; infinite before either."""
+        return self._ensemble.time_since_contact
+
     # Inferences, which end the comparison.
 
     def update_along(self, direction: float, error: float, deviation: float,

@@ -170,6 +170,16 @@ class MeasurementUpdate:
             state.members.set_robot_poses(robots + update.jump(robots))
             state.restart_history()
 
+    def update_place(self, update: EnsembleUpdate, innovation: FloatArray) -> None:
+        """
+        Correct all members by the robot's place in a map; of friction it tells nothing.
+
+        :param update: ``EnsembleUpdate`` by the poses of the robots.
+        :param innovation: measured minus mean, shape (3,).
+        """
+        update.test(innovation)
+        self._correct(update, is_coupled=True, tells_of_friction=False)
+
     def _ends_unseen_contact(self, previous_time: float, time: float) -> bool:
         """Tell whether a pose is the first one after a contact that nobody has seen."""
         return time - previous_time > COUPLING_TIME and self._state.last_contact > previous_time

@@ -20,13 +20,15 @@ from push_control.perception.ensemble.ensemble_state import (
     EnsembleState, OdometryNoise, POSE, RobotMemory)
 from push_control.perception.ensemble.ensemble_update import EnsembleUpdate
 from push_control.perception.ensemble.friction_members import with_knowledge
-from push_control.perception.ensemble.measurement_update import MeasurementUpdate
+from push_control.perception.ensemble.measurement_update import (
+    MeasurementUpdate, OUTLIER_GATE)
 from push_control.perception.ensemble.members import MEMBER_COUNT, Members, ODOMETRY_ERRORS
 from push_control.perception.ensemble.pose_bias import PoseBias
 from push_control.perception.ensemble.prediction import Prediction
 from push_control.perception.ensemble.wheel_creep import spread_creep
 from push_control.perception.object_knowledge import ObjectKnowledge
 from push_control.settings import ControlSettings
+from push_localization.fusion import lasting_noise
 from push_model.geometry import FloatArray, Pose, wrap_angle
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectPose, Odometry
@@ -101,6 +103,42 @@ class PushEnsemble(EnsembleReading):
         estimate = self.pose
         self.update_pose((pose.x - estimate.x, pose.y - estimate.y, pose.theta - estimate.theta),
                          covariance)
+
+    def update_place(self, pose: Pose, covariance: FloatArray) -> None:
+        """
+        Correct the robot's pose by its place in a map, whose errors last.
+
+        Nothing changes along directions in which the members know as much already.
+
+        :param pose: ``Pose`` in the world.
+        :param covariance: of that measurement (x, y, heading), shape (3, 3).
+        """
+        information = np.asarray(np.linalg.inv(covariance), dtype=np.float64)
+        noise = lasting_noise(self._robot_covariance, information)
+        if noise is not None:
+            update = EnsembleUpdate(self.members.robot_poses, noise)
+            self._measurement_update.update_place(update, self._error(pose))
+
+    def contradicts(self, pose: Pose, covariance: FloatArray) -> bool:
+        """
+        Tell whether a measured pose of the robot is one that the members do not explain.
+
+        :param pose: ``Pose`` in the world.
+        :param covariance: of that measurement (x, y, heading), shape (3, 3).
+        """
+        error = self._error(pose)
+        total = self._robot_covariance + covariance
+        return float(error @ np.linalg.solve(total, error)) > OUTLIER_GATE
+
+    @property
+    def _robot_covariance(self) -> FloatArray:
+        return np.asarray(np.cov(self.members.robot_poses.T), dtype=np.float64)
+
+    def _error(self, pose: Pose) -> FloatArray:
+        """Return a pose less the estimate, the heading wrapped."""
+        estimate = self.pose
+        return np.array([pose.x - estimate.x, pose.y - estimate.y,
+                         wrap_angle(pose.theta - estimate.theta)])
 
     def update_pose(self, error: Sequence[float], covariance: FloatArray,
                     is_certain: bool = True) -> None:

@@ -1,0 +1,157 @@
+"""Place of the robot in the map: by scans of its lidar, or by another localization."""
+
+from typing import Any
+
+import numpy as np
+from push_control.ros.parameters import ControllerParameters
+from push_localization.localizer import LidarLocalizer
+from push_localization.scan_points import LidarMount
+from push_localization.wall_field import WallField
+from push_model.geometry import Pose
+from push_model.parameters import PushedObject
+from push_model.rigid_transform import RigidTransform
+from push_model.signals import LidarScan, ObjectPose, Odometry, RobotPlace
+from push_ros.conversions.lidar import from_place_message, from_scan_message
+from push_ros.conversions.map import map_origin
+from push_ros.conversions.primitives import MessageRefused
+from push_ros.transforms.world import WorldFrame
+
+
+class RobotPlacing:
+    """
+    Reads scans or places, as ``place.source`` says, and finds the robot by scans.
+
+    ``newest``: the newest ``RobotPlace``, or None.
+    """
+
+    def __init__(self, parameters: ControllerParameters, world: WorldFrame) -> None:
+        """
+        Wait for a map.
+
+        :param world: ``WorldFrame``, which knows how the lidar is mounted.
+        """
+        self._settings = parameters.place
+        self._base_frame = parameters.frames.base_frame.lstrip('/')
+        self._world_frame = parameters.frames.world_frame
+        self._threshold = parameters.map.lethal_cost_threshold
+        self._world = world
+        self._field: WallField | None = None
+        self._map_std = 0.0
+        self._mount = LidarMount(self._settings.mount_pose)
+        self._localizer: LidarLocalizer | None = None
+        if self._settings.source == 'scan':
+            self._localizer = LidarLocalizer(self._settings, parameters.object)
+        self.newest: RobotPlace | None = None
+
+    def reset(self) -> None:
+        """Forget what was measured; the map stays."""
+        self.newest = None
+        if self._localizer is not None:
+            self._localizer.reset()
+
+    def set_object(self, obj: PushedObject) -> None:
+        """Push another object."""
+        if self._localizer is not None:
+            self._localizer.set_object(obj)
+
+    # The map.
+
+    def set_map(self, message: Any) -> None:
+        """
+        Take the walls of a map; unknown cells are none.
+
+        :param message: ``nav_msgs/OccupancyGrid`` in the world frame, which was read already.
+        """
+        info = message.info
+        self._map_std = self._settings.map_noise * info.resolution
+        if self._localizer is None:
+            return
+        cells = np.asarray(message.data).reshape(info.height, info.width)
+        walls = cells >= self._threshold
+        self._field = WallField(info.resolution, map_origin(message), walls,
+                                self._settings.wall_offset)
+        self._localizer.set_field(self._field)
+
+    def set_map_origin(self, origin: Pose) -> None:
+        """
+        Let the same map lie elsewhere.
+
+        :param origin: ``Pose`` in the world of the outer corner of its first cell.
+        """
+        if self._field is not None and self._localizer is not None:
+            self._field = self._field.moved(origin)
+            self._localizer.set_field(self._field)
+
+    # Measurements.
+
+    def read_scan(self, message: Any) -> LidarScan:
+        """
+        Read a scan, and how its lidar is mounted.
+
+        :param message: ``sensor_msgs/LaserScan``.
+        :raises MessageRefused: naming what is wrong with it.
+        """
+        scan = from_scan_message(message)
+        self._mount = self._mount_of(message.header.frame_id)
+        return scan
+
+    def read_place(self, message: Any) -> RobotPlace:
+        """
+        Read a place of another localization; it errs by a part of a cell at least.
+
+        :param message: ``geometry_msgs/PoseWithCovarianceStamped`` in the world frame.
+        :raises MessageRefused: naming what is wrong with it.
+        """
+        place = from_place_message(message, self._world_frame, self._settings.covariance_factor)
+        return with_least_deviation(place, self._map_std)
+
+    def update(self, measured: Odometry | ObjectPose | LidarScan | RobotPlace,
+               object_pose: ObjectPose | None) -> None:
+        """
+        Take in a measurement, and find the robot where a scan can be matched.
+
+        :param object_pose: the newest ``ObjectPose``, or None.
+        """
+        if isinstance(measured, RobotPlace):
+            self.newest = measured
+        localizer = self._localizer
+        if localizer is None:
+            return
+        if isinstance(measured, Odometry):
+            localizer.add_odometry(measured)
+        elif isinstance(measured, LidarScan):
+            localizer.add_scan(measured, self._mount)
+        self.newest = localizer.locate(object_pose) or self.newest
+
+    def _mount_of(self, frame: str) -> LidarMount:
+        """Return how the lidar is mounted whose scans are in a frame."""
+        if self._settings.mount == 'stated':
+            return LidarMount(self._settings.mount_pose)
+        if frame.lstrip('/') == self._base_frame:
+            return LidarMount()
+        transform = self._world.fixed_to_base(frame)
+        if transform is None:
+            raise MessageRefused(
+                f'scan: got frame {frame!r}, expected one with a static transform to '
+                f'{self._base_frame!r}, or place.mount: stated')
+        return mount_of(transform)
+
+
+def mount_of(transform: RigidTransform) -> LidarMount:
+    """
+    Return the mounting of a lidar in the plane.
+
+    :param transform: pose of the lidar in the frame of the robot.
+    """
+    return LidarMount(transform.planar, bool(transform.rotation_matrix[2, 2] < 0.0))
+
+
+def with_least_deviation(place: RobotPlace, deviation: float) -> RobotPlace:
+    """
+    Return a place whose position errs by a deviation at least, as walls of a map do.
+
+    :param deviation: standard deviation of x and of y [m].
+    """
+    covariance = place.covariance
+    return place._replace(covariance=covariance._replace(
+        x_x=max(covariance.x_x, deviation ** 2), y_y=max(covariance.y_y, deviation ** 2)))
