@@ -8,8 +8,8 @@ from helpers.straight_pushes import straight_push
 from push_control.behaviors.failures import BehaviorFailure
 from push_control.behaviors.progress import (
     CAUTION_FACTOR, GoalCheck, MAP_FAILURES, MAP_TIME_LIMIT, MAX_INSPECTIONS, MAX_SAFETY_STOPS,
-    MIN_CONE_FRACTION, ProgressMonitor, REST_REPORT_TIME, REST_TIME_LIMIT, RestClock,
-    WAYPOINT_DISTANCE, WAYPOINTS_PER_ATTEMPT)
+    MAX_UNSEEN_PUSHES, MIN_CONE_FRACTION, ProgressMonitor, REST_REPORT_TIME, REST_TIME_LIMIT,
+    RestClock, WAYPOINT_DISTANCE, WAYPOINTS_PER_ATTEMPT)
 from push_control.events import TaskEvent
 from push_control.goal import TaskFailure
 from push_control.perception.object_at_rest import ObjectAtRest
@@ -312,3 +312,14 @@ def test_only_a_push_that_ends_well_forgives_wheels_that_have_spun(is_pushed_wel
                                     GOAL)
     monitor.check_goal(beside_goal(0.3), GOAL)
     assert monitor.count_spin() != is_pushed_well
+
+
+def test_pushes_that_leave_the_pose_to_the_last_digit_end_a_task():
+    """Only some in a row: the tracker is frozen, or the robot pushes elsewhere."""
+    monitor = ProgressMonitor(SUPERVISION, AIM)
+    for repeats in (*[True] * (MAX_UNSEEN_PUSHES - 1), False, *[True] * (MAX_UNSEEN_PUSHES - 1)):
+        monitor.count_push(repeats_pose=repeats)
+        assert monitor.abort_cause is None and monitor.failure is None
+    monitor.count_push(repeats_pose=True)
+    assert monitor.abort_cause.code is TaskEvent.PUSHES_UNSEEN
+    assert monitor.failure is TaskFailure.NO_MEASUREMENTS

@@ -151,6 +151,23 @@ def test_a_push_that_would_go_further_than_planned_ends_before_an_obstacle(drive
     assert 0.25 < fronts[1] < wall
 
 
+@pytest.mark.parametrize('drive', ROBOTS)
+def test_the_touch_is_slow_until_the_object_is_seen_to_move(drive):
+    """It may be a wall; then the push is faster."""
+    target = straight_push(box(), MIDDLE, 0.3, speed=0.1)
+    twists = target.robot_twists.copy()
+    twists[1:] *= 2.5
+    target = dataclasses.replace(target, robot_twists=twists)
+    contacts = []
+    course = act(target, backed_off(MIDDLE), drive=drive,
+                 on_step=lambda behavior, _: contacts.append(behavior.push_status.in_contact))
+    speeds = [math.hypot(command.v_x, command.v_y) for command in course.commands]
+    first = contacts.index(True) - 1
+    # No pose of an object that moves has come yet.
+    assert max(speeds[first:first + 4]) < 1.1 * touch_speed(target)
+    assert max(speeds[first:]) > 0.9 * pushing_speed(target)
+
+
 def test_the_object_at_its_goal_is_at_rest_when_the_push_ends():
     """It moves on by what the slowest motion that counts as rest takes to fade."""
     target = straight_push(box(), MIDDLE, 0.1)
