@@ -31,7 +31,7 @@ class Result(enum.Enum):
 
     KILLED = 'killed'
     SURVIVED = 'survived'
-    # They did not end in time: it is noticed, but not by an assertion.
+    # They did not end in time, or by a signal: it is noticed, but not by an assertion.
     HUNG = 'hung'
 
 
@@ -39,7 +39,7 @@ class Run(NamedTuple):
     """
     A run of tests.
 
-    :param status: exit status; None where they did not end in time.
+    :param status: exit status, negative for a signal; None where they did not end in time.
     :param duration: [s].
     """
 
@@ -102,7 +102,7 @@ class MutantTester:
                 status = self._run(tests, limit).status
             finally:
                 path.write_text(text, encoding='utf-8')
-            if status is None:
+            if status is None or status < 0:
                 result = Result.HUNG
             elif status != 0:
                 return Result.KILLED

@@ -6,7 +6,7 @@ TASK = 'test/control/task'
 TASK_FILES = {'stand_reasons': 'test_stand_reasons', 'execution': 'test_supervisor_stops',
               'supervisor': 'test_supervisor_stops'}
 BEHAVIORS = 'test/control/behaviors'
-CALIBRATION = ('test/base/test_calibration.py', 'test/base')
+CALIBRATION = ('test/base/test_calibration_square.py', 'test/base/test_calibration.py')
 
 
 def _task(name: str, module: str, old: str, new: str) -> Mutant:
