@@ -385,12 +385,14 @@ class BaseIdentifier:
     def _change_gains(self, change: GainChange, time: float) -> None:
         """Believe other gains, and let the past be that of a base with them."""
         known = self.knowledge
-        gains = [believed * ratio for believed, ratio in zip(known.gains, change)]
+        gains = [believed * ratio for believed, ratio in zip(known.gains, change[:2])]
         gains = [1.0 if abs(gain - 1.0) < EQUAL_GAIN else gain for gain in gains]
         if not all(GAINS[0] <= gain <= GAINS[1] for gain in gains):
             return
         first, second = gains
-        self.knowledge = known._replace(first_gain=first, second_gain=second)
+        deviation = 0.0 if first == second == 1.0 else max(gains) * change.deviation
+        self.knowledge = known._replace(first_gain=first, second_gain=second,
+                                        gain_deviation=deviation)
         matrix = gain_matrix(self._robot, first / known.first_gain, second / known.second_gain)
         self._command = Twist(*(matrix @ self._command).tolist())
         self._velocities = self._velocities @ matrix.T

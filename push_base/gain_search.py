@@ -46,6 +46,9 @@ MIN_IMPROVEMENT = 0.008
 # Windows in a row that have to agree, and ratio of the gains up to which they do; chosen.
 ENOUGH_RESULTS = 4
 AGREEMENT = 1.1
+# Standard deviation of a gain, beside that of the windows, which all have the same errors of
+# models; chosen: gains are right to that with a lag that is half of the stated one, or twice.
+MODEL_STD = 0.02
 
 
 class GainChange(NamedTuple):
@@ -54,10 +57,12 @@ class GainChange(NamedTuple):
 
     :param first: of the left wheel, or of the translation of a holonomic base.
     :param second: of the right wheel, or of the rotation.
+    :param deviation: standard deviation of each.
     """
 
     first: float
     second: float
+    deviation: float = MODEL_STD
 
 
 class GainWindow(NamedTuple):
@@ -174,9 +179,11 @@ class GainSearch:
     def _agreed(self) -> GainChange | None:
         if len(self._results) < ENOUGH_RESULTS:
             return None
-        gains = list(zip(*self._results))
+        gains = [[result.first for result in self._results],
+                 [result.second for result in self._results]]
         if any(max(values) > AGREEMENT * min(values) for values in gains):
             return None
         self._results.clear()
         first, second = map(statistics.median, gains)
-        return GainChange(first, second)
+        scatter = max(map(statistics.pstdev, gains))
+        return GainChange(first, second, math.hypot(MODEL_STD, scatter))

@@ -56,7 +56,7 @@ class TaskFailure(enum.Enum):
     NO_MEASUREMENTS = 'no measurements'
     # The safety layer has stopped the robot too often.
     ROBOT_STOPPED = 'robot stopped'
-    # The wheels spin, and the object hardly moves.
+    # The wheels spin or stall at the object, which hardly moves.
     TOO_HEAVY = 'too heavy'
     # The robot has looked for the object all around.
     OBJECT_NOT_SEEN = 'object not seen'

@@ -17,9 +17,9 @@ ACCELERATION_MARGIN = 0.85
 KEY_DIGITS = 16
 # Greatest values that are read, by field [s, m/s, rad/s, s]; chosen: beyond what is ever learned.
 MAX_VALUES = {'dead_time': 1.0, 'min_speed': 0.5, 'min_yaw_rate': 2.0, 'pulse': 0.5,
-              'first_gain': 3.0, 'second_gain': 3.0}
+              'first_gain': 3.0, 'second_gain': 3.0, 'gain_deviation': 1.0}
 # Values that may be 0.
-ZERO_VALUES = 'dead_time', 'min_speed', 'min_yaw_rate'
+ZERO_VALUES = 'dead_time', 'min_speed', 'min_yaw_rate', 'gain_deviation'
 
 
 class BaseKnowledge(NamedTuple):
@@ -36,6 +36,7 @@ class BaseKnowledge(NamedTuple):
     :param first_gain: speed of the left wheel (differential) or of the translation (holonomic)
         over what is commanded.
     :param second_gain: the same of the right wheel, or of the rotation.
+    :param gain_deviation: standard deviation of both; 0 where they are as stated.
     """
 
     dead_time: float = 0.0
@@ -46,6 +47,7 @@ class BaseKnowledge(NamedTuple):
     max_yaw_acceleration: float = math.inf
     first_gain: float = 1.0
     second_gain: float = 1.0
+    gain_deviation: float = 0.0
 
     @property
     def gains(self) -> tuple[float, float]:

@@ -54,6 +54,8 @@ class DriveImperfections:
                                           0.0, 5.0, default=0.0)
     wheel_creep: float = quantity('part of their way that the wheels slip, for each newton that '
                                   'the robot pushes with', '1/N', 0.0, 0.1, default=0.0)
+    stall_force: float = quantity('force beyond which the wheels stand still, as odometry tells',
+                                  'N', above=0.0, infinite=True, default=INFINITY)
     yaw_stiffness: float = quantity('moment about the robot that turns it by one radian against '
                                     'its wheels', 'N m/rad', above=0.0, infinite=True,
                                     default=INFINITY)

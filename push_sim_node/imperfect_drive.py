@@ -69,6 +69,8 @@ class ImperfectDrive:
         # by which the robot has yawed on its tyres [rad], and its rate [rad/s].
         self._turns = [False, False]
         self._spin = self._yaw_spin = 0.0
+        # Speed by which the load slows the motors down [m/s].
+        self._stall = 0.0
         self._force = 0.0
         self._deflection = self._yaw_rate = 0.0
         # Way of each wheel, or axis, from the backward end of its play [m].
@@ -96,7 +98,7 @@ class ImperfectDrive:
         self._time += dt
         followed = track_command(*self._velocity, self._asked_of_drive(dt), self._drive, dt)
         self._velocity = Twist(*followed[:3])
-        mean = self._moving_part(Twist(*followed[3:]))
+        mean = self._stalled(self._moving_part(Twist(*followed[3:])), force, dt)
         v_x, v_y = chord_velocity(self.odometry_pose.theta, *mean, dt)
         pose = self.odometry_pose
         self.odometry_pose = Pose(pose.x + v_x * dt, pose.y + v_y * dt,
@@ -164,6 +166,16 @@ class ImperfectDrive:
         omega = twist.omega if abs(twist.omega) >= faults.output_min_yaw_rate else 0.0
         return Twist(twist.v_x, twist.v_y, omega) if is_moving else Twist(0.0, 0.0, omega)
 
+    def _stalled(self, twist: Twist, force: tuple[float, float], dt: float) -> Twist:
+        """Let the wheels turn no faster than the load allows."""
+        if math.isinf(self._faults.stall_force):
+            return twist
+        speed = math.hypot(twist.v_x, twist.v_y)
+        resistance = -(force[0] * twist.v_x + force[1] * twist.v_y) / speed if speed else 0.0
+        self._stall = self._slowed(self._stall, speed, resistance - self._faults.stall_force, dt)
+        ratio = 1.0 - self._stall / speed if speed else 1.0
+        return Twist(ratio * twist.v_x, ratio * twist.v_y, twist.omega)
+
     def _after_play(self, twist: Twist, dt: float) -> Twist:
         """Let wheels, or axes, go through their play where they reverse."""
         if self._faults.play == 0.0:
@@ -187,9 +199,11 @@ class ImperfectDrive:
         """Let the wheels slip by the force that the robot pushes with."""
         speed, arm = math.hypot(twist.v_x, twist.v_y), 0.5 * self._robot.wheel_track
         resistance = -(force[0] * twist.v_x + force[1] * twist.v_y) / speed if speed else 0.0
-        self._spin = self._spun(self._spin, speed, resistance, dt)
-        self._yaw_spin = self._spun(self._yaw_spin, arm * abs(twist.omega),
-                                    -math.copysign(1.0, twist.omega) * moment / arm, dt)
+        limit = self._robot.max_push_force
+        self._spin = self._slowed(self._spin, speed, resistance - limit, dt)
+        self._yaw_spin = self._slowed(
+            self._yaw_spin, arm * abs(twist.omega),
+            -math.copysign(1.0, twist.omega) * moment / arm - limit, dt)
         if speed > 0.0:
             self._force += min(1.0, dt / CREEP_TIME) * (max(0.0, resistance) - self._force)
         creep = self._faults.wheel_creep * self._force
@@ -200,14 +214,16 @@ class ImperfectDrive:
         return Twist((1.0 - slip) * twist.v_x, (1.0 - slip) * twist.v_y,
                      (1.0 - yaw_slip) * twist.omega)
 
-    def _spun(self, spin: float, speed: float, resistance: float, dt: float) -> float:
+    def _slowed(self, lost: float, speed: float, excess: float, dt: float) -> float:
         """
-        Return the speed by which wheels spin, at most their own.
+        Return the speed that wheels lose, at most their own.
 
         Beyond its greatest force the robot slows down with the object, as one mass.
+
+        :param lost: what they have lost until now [m/s].
+        :param excess: resistance beyond that force [N].
         """
-        excess = resistance - self._robot.max_push_force
-        return min(speed, max(0.0, spin + dt * excess / self._mass))
+        return min(speed, max(0.0, lost + dt * excess / self._mass))
 
     def _on_tyres(self, twist: Twist, moment: float, dt: float) -> Twist:
         """Let the robot yaw by the moment of the contact, as by a spring."""

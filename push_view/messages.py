@@ -105,8 +105,9 @@ def base_message(time: float, base: BaseKnowledge) -> Message:
 
     :param time: [s].
     """
+    names = 'pulse', 'first_gain', 'second_gain', 'gain_deviation'
     return {'type': 'base', 'time': _rounded_number(time), **_base_values(base),
-            'pulse': _rounded_number(base.pulse)}
+            **{name: _rounded_number(getattr(base, name)) for name in names}}
 
 
 def _base_values(base: RoundRobot | BaseKnowledge) -> Message:

@@ -44,6 +44,8 @@ def weight_table(pairs: Sequence[Pair], part: str) -> str:
     """
     Write how many objects are called too heavy, of those that are and of those that are not.
 
+    Those that the robot has brought to their goals all the same need not be called so.
+
     :param pairs: (job, record) of all tasks, those that are compared too.
     :param part: of the bases.
     """
@@ -59,11 +61,12 @@ def weight_table(pairs: Sequence[Pair], part: str) -> str:
         times = np.array([record['called_after'] for record in called
                           if 'called_after' in record])
         soon = int((times <= CALLED_WITHIN).sum())
+        done = sum(record['success'] for record in heavy)
+        due = len(heavy) - done
         rows.append((
             group.name, len(heavy),
-            _bold(_rate(soon, len(heavy)), 100.0 * soon < CALLED_AIM * len(heavy)),
-            len(called), spread(times, '.0f'),
-            sum(record['success'] for record in heavy), len(fit), _bold(str(false), false > 0)))
+            _bold(_rate(soon, due), 100.0 * soon < CALLED_AIM * due),
+            len(called), spread(times, '.0f'), done, len(fit), _bold(str(false), false > 0)))
     return table(['base', 'too heavy', f'called so within {CALLED_WITHIN:g} s', 'called so ever',
                   's after the touch, median, p95', 'done all the same', 'not too heavy',
                   'called too heavy'], rows)

@@ -142,6 +142,15 @@ class Behavior(abc.ABC, Generic[Perception]):
         :param stop: why the robot is stopped, or None where it may move.
         """
 
+    def stop_failure(self, stop: SafetyReport) -> FailureReport | None:
+        """
+        Tell what a stop shows beside what it says of the base.
+
+        :param stop: why the robot is stopped.
+        :return: ``FailureReport``; None where the stop says all.
+        """
+        return None
+
     def resume(self) -> bool:
         """Go on after a stop of the base; return whether it does so by itself."""
         return False

@@ -25,6 +25,7 @@ class BehaviorFailure(Cause):
                    'blocked')
     OBJECT_UNYIELDING = ('the wheels turn, the object does not move at all: it is too heavy for '
                          'this robot or blocked, or the object poses are of another object')
+    BASE_STALLS = 'the base stalls at the object: it is too heavy for this robot, or blocked'
 
     # During a steered push.
     OFF_PLANNED_PATH = 'the object deviates by {distance:.2f} m from its planned path'

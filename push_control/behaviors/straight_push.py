@@ -10,9 +10,10 @@ import dataclasses
 import math
 
 import numpy as np
-from push_base.spin_watch import SpinWatch
+from push_base.base_identifier import MAX_LEAST_SPEED
+from push_base.spin_watch import MAX_SPIN_RATIO, SpinWatch
 from push_control.behaviors.behavior import Behavior, BehaviorContext
-from push_control.behaviors.failures import BehaviorFailure
+from push_control.behaviors.failures import BehaviorFailure, FailureReport
 from push_control.behaviors.obstacle_guard import blocks_push, ObstacleGuard
 from push_control.behaviors.push_progress import (
     decide, MIN_SPEED, Miss, PushProgress, Stage, Steer, Stop, UNEXPECTED_DISTANCE, UNMEASURED)
@@ -30,6 +31,7 @@ from push_model.signals import ObjectPose, STOP, Twist
 from push_model.trajectory import PushTrajectory
 from push_navigation.occupancy_map import OccupancyMap
 from push_primitives.store import PushPrimitives
+from push_safety.status import SafetyReason, SafetyReport
 
 # Time in which what remains of a push is covered as it ends [s]; chosen: slow enough for a lag of
 # 0.1 s, and poses as late as that.
@@ -160,6 +162,18 @@ class StraightPush(Behavior[TaskPerception]):
         """Tell whether a new map, unlike the previous one, has an obstacle in the way."""
         return blocks_push(self._target, self._obj, self._robot, self._map, occupancy_map,
                            pose)
+
+    def stop_failure(self, stop: SafetyReport) -> FailureReport | None:
+        """Tell of an object at which the base stalls."""
+        progress, commanded = self._progress, math.hypot(*self._command[:2])
+        is_at_object = (progress.stage is Stage.PUSHING and not progress.is_blind
+                        and self._ensemble.contact_ratio > 0.5)
+        # Where the object has moved, a least speed that is not known yet explains slow commands.
+        is_stalled = not progress.has_moved or (
+            commanded > MAX_LEAST_SPEED and progress.speed < MAX_SPIN_RATIO * commanded)
+        if stop.code is SafetyReason.NOT_MOVING and is_at_object and is_stalled:
+            return BehaviorFailure.BASE_STALLS.report()
+        return None
 
     def pause(self) -> None:
         """End the push: the robot stands."""

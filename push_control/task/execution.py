@@ -37,7 +37,8 @@ from push_navigation.settings import DriveSettings
 # than the latency of its poses (0.08 s in the scenarios), and than it slides on.
 SETTLING_TIME = 0.3
 # What shows that the robot is too weak for the object.
-SPINNING = BehaviorFailure.WHEELS_SPIN, BehaviorFailure.OBJECT_UNYIELDING
+TOO_WEAK = (BehaviorFailure.WHEELS_SPIN, BehaviorFailure.OBJECT_UNYIELDING,
+            BehaviorFailure.BASE_STALLS)
 
 
 class _Answer(NamedTuple):
@@ -307,7 +308,7 @@ class TaskExecution:
                 failure = BehaviorFailure.WHEELS_SPIN.report()
             elif self._perception.is_object_unyielding:
                 failure = BehaviorFailure.OBJECT_UNYIELDING.report()
-        if failure.code in SPINNING and self._progress.count_spin():
+        if failure.code in TOO_WEAK and self._progress.count_spin():
             self._abort(TaskFailure.TOO_HEAVY, TaskEvent.ABORTED.report(reason=failure))
         else:
             self._recover(failure)

@@ -247,7 +247,11 @@ class Supervisor(TaskExecution):
 
     def _end_behavior(self, stop: SafetyReport) -> None:
         """Give up what the robot does, or the task where that was too often."""
-        if self._progress.count_safety_stop():
+        failure = self._behavior.stop_failure(stop)
+        if failure is not None:
+            self._end_after_failure(failure)
+            self._progress.allow_request()
+        elif self._progress.count_safety_stop():
             self._abort(TaskFailure.ROBOT_STOPPED, TaskEvent.ABORTED.report(reason=stop))
         else:
             self._recover(stop)

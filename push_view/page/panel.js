@@ -54,7 +54,9 @@ const LEGEND = [
 const BASE_VALUES = [
   ['dead_time', 'dead time', 's', 2], ['min_speed', 'least speed', 'm/s', 3],
   ['min_yaw_rate', 'least yaw rate', 'rad/s', 2], ['pulse', 'pulse', 's', 2],
-  ['max_acceleration', 'acceleration', 'm/s²', 2], ['max_yaw_acceleration', 'yaw acceleration', 'rad/s²', 1]];
+  ['max_acceleration', 'acceleration', 'm/s²', 2], ['max_yaw_acceleration', 'yaw acceleration', 'rad/s²', 1],
+  ['first_gain', 'gain of the left wheel', '', 2], ['second_gain', 'gain of the right wheel', '', 2], ['gain_deviation', 'deviation of gains', '', 2]];
+const HOLONOMIC_LABELS = { first_gain: 'gain of the translation', second_gain: 'gain of the rotation' };
 
 class Panel {
   constructor(onTime) {
@@ -89,9 +91,9 @@ class Panel {
     const body = byId('base').tBodies[0];
     body.textContent = '';
     const isHolonomic = scene.robot.drive === 'holonomic';
-    this.base = BASE_VALUES.filter(([name]) => isHolonomic || name !== 'min_yaw_rate').map(([name, label, unit, digits]) => {
-      const row = body.insertRow();
-      const head = explain(cell(row, `${label} [${unit}]`, 'th'), label);
+    this.base = BASE_VALUES.filter(([name]) => isHolonomic || name !== 'min_yaw_rate').map(([name, wheelLabel, unit, digits]) => {
+      const row = body.insertRow(), label = isHolonomic && HOLONOMIC_LABELS[name] || wheelLabel;
+      const head = explain(cell(row, unit ? `${label} [${unit}]` : label, 'th'), label);
       Object.assign(head, { scope: 'row', className: 'term' });
       return { name, digits, cells: [0, 1, 2].map(() => cell(row, '')) };
     });

@@ -73,6 +73,8 @@ def test_a_wheel_that_is_slow_is_learned_by_itself():
     uneven = Drive(ROBOTS['differential'], DriveImperfections(left_wheel_factor=0.85)).go(4.0)
     assert not uneven.stops
     assert uneven.gains == (pytest.approx(0.85, abs=0.02), 1.0)
+    deviation = uneven.layer.base_knowledge.gain_deviation
+    assert abs(uneven.gains[0] - 0.85) < 2.0 * deviation < 0.1
 
 
 @pytest.mark.parametrize('drive', ROBOTS)

@@ -2,9 +2,11 @@
 
 import dataclasses
 
+from push_control.behaviors.failures import BehaviorFailure
 from push_control.goal import TaskFailure
 from push_scenario import load_scenario, simulate
 from push_scenario.simulation.result import Outcome
+from push_sim_node.drive_imperfections import DriveImperfections
 import pytest
 
 pytestmark = pytest.mark.slow
@@ -54,6 +56,18 @@ def test_an_object_that_is_too_heavy_is_called_so():
     result = simulate(dataclasses.replace(scenario, true_robot=true, time_limit=40.0))
     assert result.outcome is Outcome.FAILED
     assert result.status.failure is TaskFailure.TOO_HEAVY
+    assert result.duration < 20.0
+
+
+def test_a_base_that_stalls_at_an_object_calls_it_too_heavy():
+    """Its wheels stand still, rather than spin."""
+    scenario = load_scenario('task_slippery')
+    force = 0.4 * sum(scenario.true_object.capacities)
+    settings = dataclasses.replace(scenario.simulation, drive=DriveImperfections(
+        stall_force=force))
+    result = simulate(dataclasses.replace(scenario, simulation=settings, time_limit=40.0))
+    assert result.status.failure is TaskFailure.TOO_HEAVY
+    assert BehaviorFailure.BASE_STALLS in result.status.codes
     assert result.duration < 20.0
 
 

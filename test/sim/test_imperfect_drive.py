@@ -173,6 +173,21 @@ def test_wheels_spin_where_the_object_needs_more_force(make):
 
 
 @plants()
+def test_wheels_stand_still_where_the_motors_are_too_weak(make):
+    """Above the force robot and object stop, and odometry says so; below all move."""
+    obj = box(mass=5.0)
+    needed = 0.3 * 5.0 * 9.81
+    for ratio, is_stalled in ((0.7, True), (1.5, False)):
+        plant = make_plant(make, robot_of('differential'),
+                           DriveImperfections(stall_force=ratio * needed), obj=obj,
+                           object_pose=Pose(0.38, 0.0, 0.0))
+        driven(plant, Twist(0.2, 0.0, 0.0), 2.0)
+        assert plant.odometry_pose.x == pytest.approx(plant.robot_pose.x, abs=1e-3)
+        assert (plant.odometry_pose.x < 0.1) == is_stalled
+        assert (plant.odometry_twist.v_x < 0.02) == is_stalled
+
+
+@plants()
 def test_wheels_creep_by_the_force(make):
     """Robot and object lag behind the wheels by the stated part for each newton."""
     obj = box(mass=5.0)

@@ -146,7 +146,7 @@ def test_what_the_controller_reports_of_its_base_is_shown_once():
         record.on_base(base_knowledge(known))
     assert [message['dead_time'] for message in shown(log, 'base')] == [0.24, 0.3]
     assert shown(log, 'base')[-1].items() >= {'min_speed': 0.051, 'min_yaw_rate': 0.0,
-                                              'pulse': 0.12}.items()
+                                              'pulse': 0.12, 'first_gain': 1.0}.items()
     assert base_knowledge({'state': 'push'}) is None
     assert base_knowledge({'dead_time': 'unknown'}) is None
 
