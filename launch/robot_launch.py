@@ -32,6 +32,9 @@ TOPICS = {
     'odom': 'nav_msgs/Odometry of the robot',
     'robot_pose': 'geometry_msgs/PoseStamped of a rigid body on the robot, for mocap',
     'object_pose': 'geometry_msgs/PoseStamped or PoseWithCovarianceStamped of the object',
+    'scan': 'sensor_msgs/LaserScan of the robot, with place.source scan',
+    'place': 'geometry_msgs/PoseWithCovarianceStamped of the robot, as amcl_pose, with '
+             'place.source place',
     'goal_pose': 'geometry_msgs/PoseStamped, goal pose of the object',
     'cmd_vel': 'velocity command for the robot',
 }

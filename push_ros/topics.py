@@ -40,6 +40,7 @@ class Topic(NamedTuple):
     :param is_global: whether all robots share it, whatever the namespace of the node.
     :param largest_size: length of a message [bytes] above which nodes read no more than its
         header; None where all are read, as they are read quickly.
+    :param is_optional: whether nodes have it only where their settings ask for it.
     """
 
     type: type[Any]
@@ -50,6 +51,7 @@ class Topic(NamedTuple):
     description: str
     is_global: bool = False
     largest_size: int | None = None
+    is_optional: bool = False
 
     def message_type(self, stamped: bool = True, *, with_covariance: bool = False) -> 'type[Any]':
         """
@@ -97,10 +99,10 @@ TOPICS = {
                          'measured object pose; PoseWithCovarianceStamped with '
                          'object_pose_with_covariance'),
     'scan': Topic(LaserScan, (SIM,), (CONTROLLER,), qos.MEASUREMENT, qos.SENSOR,
-                  "scan of the robot's lidar, with place.source scan"),
+                  "scan of the robot's lidar, with place.source scan", is_optional=True),
     'place': Topic(PoseWithCovarianceStamped, (), (CONTROLLER,), qos.MEASUREMENT, qos.SENSOR,
                    'place of the robot in the map, as of AMCL or slam_toolbox, with place.source '
-                   'place'),
+                   'place', is_optional=True),
     'robot_pose': Topic(PoseStamped, (), (MOCAP,), qos.MEASUREMENT, qos.SENSOR,
                         'pose of the rigid body on the robot, as motion capture has it'),
     'goal_pose': Topic(PoseStamped, (), (CONTROLLER,), qos.EVENT, qos.EVENT,
