@@ -19,6 +19,10 @@ MIN_GAP_RATIO = 0.5
 MIN_SLANTED_GAP_RATIO = 0.17
 # Standard deviations of the robot's place by which it keeps clear of obstacles of a map.
 CERTAIN_SIGMAS = 2.0
+# What a robot nearer to obstacles than that may come nearer still, and the least clearance that it
+# keeps then [m]; chosen: a few degrees off a wall beside which it has pushed, and the error of a
+# map.
+NEARER, LEAST_CLEARANCE = 0.005, 0.01
 
 
 class Retreat(PathBehavior[RawPerception]):
@@ -53,18 +57,34 @@ def retreat_path(context: BehaviorContext, robot_pose: Pose, object_pose: Pose,
     """
     Find the straight path off an object; half as long or slantwise where no other is free.
 
+    A robot that stands near an obstacle already need not keep farther from it.
+
     :param robot_pose: ``Pose`` of the robot, at the object.
     :param retreat_distance: length of the path [m].
     :param deviation: standard deviation of the robot's place [m].
     :return: ``Path``, or None where drive or map allow none that leads away.
     """
+    margin = max(context.drive.map_clearance, CERTAIN_SIGMAS * deviation)
+    path = _clear_path(context, robot_pose, object_pose, retreat_distance, margin)
+    occupancy_map = context.occupancy_map
+    if path is not None or occupancy_map is None:
+        return path
+    clearance = float(occupancy_map.clearance([robot_pose[:2]])[0]) - context.robot.radius
+    nearer = max(LEAST_CLEARANCE, clearance - NEARER)
+    if nearer >= margin:
+        return None
+    return _clear_path(context, robot_pose, object_pose, retreat_distance, nearer)
+
+
+def _clear_path(context: BehaviorContext, robot_pose: Pose, object_pose: Pose,
+                retreat_distance: float, margin: float) -> Path | None:
+    """Find the path, with a distance to obstacles of the map."""
     robot = context.robot
     _, normal, gap = find_contact(context.obj, object_pose, robot_pose[:2], robot.radius)
     x, y, heading = robot_pose
     directions = [normal + math.pi]
     if robot.drive == 'differential':
         directions = [heading + math.pi, heading]
-    margin = max(context.drive.map_clearance, CERTAIN_SIGMAS * deviation)
     attempts = ((retreat_distance, MIN_GAP_RATIO), (0.5 * retreat_distance, MIN_GAP_RATIO),
                 (2.0 * retreat_distance, MIN_SLANTED_GAP_RATIO))
     limit = context.drive.reverse_limit if robot.drive == 'differential' else math.inf

@@ -7,11 +7,14 @@ minimum says how to steer, how far to push, and when to stop (``push_primitives.
 """
 
 import math
-from typing import NamedTuple
+from typing import NamedTuple, Sequence
 
 import numpy as np
 from push_control.perception.ensemble.ensemble_reading import EnsembleReading
 from push_control.perception.ensemble.members import Members, OBJECT, ROBOT
+from push_dynamics.layout import TOUCH_SIZE, WALL_SIZE
+from push_dynamics.touches import MAX_TOUCHES
+from push_dynamics.walls import Wall, wall_rows
 from push_model.geometry import FloatArray, Pose
 from push_primitives.cost_to_go import CostToGo
 from push_primitives.rollouts import roll_out, RolloutGoal, RolloutOptions
@@ -56,7 +59,7 @@ class RolloutLaw:
     """Chooses curvature and stopping distance of a push."""
 
     def __init__(self, members: Members, cost_to_go: CostToGo, face: int, goal: Pose,
-                 speed: float) -> None:
+                 speed: float, walls: Sequence[Wall] = ()) -> None:
         """
         Take the goal of a push.
 
@@ -64,8 +67,11 @@ class RolloutLaw:
         :param face: number of the face at which the robot pushes.
         :param goal: goal ``Pose`` of the object.
         :param speed: of the push [m/s].
+        :param walls: that object and robot may touch.
         """
         self._members = members
+        self._walls: FloatArray = np.reshape(wall_rows(walls), (-1, WALL_SIZE))
+        self._touches: FloatArray = np.zeros((MAX_TOUCHES, TOUCH_SIZE))
         # Numbers of those that are rolled out.
         self._chosen = np.linspace(0, members.count - 1, ROLLED_OUT).astype(int)
         self._goal = RolloutGoal(cost_to_go.grid, Pose(*map(float, goal)), face)
@@ -114,7 +120,8 @@ class RolloutLaw:
         stops = _stops(horizon)
         costs = np.zeros((len(arcs) + 1, len(stops)))
         worlds = members.worlds._replace(states=states, bodies=members.bodies[chosen],
-                                         supports=members.supports[chosen])
+                                         supports=members.supports[chosen],
+                                         walls=self._walls, touches=self._touches)
         options = RolloutOptions(direction, ROLLOUT_SPEED, ROLLOUT_STEP, SWITCH_DISTANCE)
         roll_out(worlds, members.rollout_states, arcs, stops, options, self._goal, costs)
         return stops, costs[:-1]

@@ -30,6 +30,7 @@ from push_model.parameters import RoundRobot
 from push_model.signals import ObjectPose, STOP, Twist
 from push_model.trajectory import PushTrajectory
 from push_navigation.occupancy_map import OccupancyMap
+from push_navigation.wall_segments import map_walls
 from push_primitives.store import PushPrimitives
 from push_safety.status import SafetyReason, SafetyReport
 
@@ -74,6 +75,9 @@ MAX_STOPPING_TIME = 0.8
 # touches then [m]; chosen: what they spin until that is noticed.
 SPUN_STD = 0.1
 TOUCHING_STD = 0.01
+# Distance beyond the length of a push in which walls may touch object or robot [m]; chosen: both
+# are smaller.
+WALL_RANGE = 1.5
 # Members that all have to keep clear of obstacles while nothing is seen; chosen: the nearest one
 # of them is 1.6 standard deviations off, in the mean.
 GUARDED_MEMBERS = 12
@@ -132,7 +136,9 @@ class StraightPush(Behavior[TaskPerception]):
         self._touch_speed = touch_speed(target)
         self._law = RolloutLaw(
             ensemble.members, primitives.cost_to_go, self._line.face, goal,
-            max(self._speed, 0.05))
+            max(self._speed, 0.05),
+            () if self._map is None else map_walls(
+                self._map, ensemble.object_pose, self._line.length + WALL_RANGE))
         self._control = context.control
         self._progress = PushProgress(
             self._line.length, Steer(self._line.curvature, self._line.length),

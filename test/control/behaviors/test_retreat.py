@@ -58,3 +58,16 @@ def test_a_wall_behind_the_robot_shortens_the_retreat(columns, ratio):
         assert path is None
     else:
         assert distance(path.poses[-1], start) == pytest.approx(ratio * DISTANCE)
+
+
+def test_a_robot_beside_a_wall_backs_off_along_it():
+    """It stands nearer to the wall than maps ask for, and comes hardly nearer."""
+    occupied = np.zeros((80, 80), dtype=bool)
+    occupied[44:, :] = True
+    walled = context('holonomic', OccupancyMap(0.05, Pose(-2.0, -2.0, 0.0), occupied))
+    clearance = 0.015
+    start = Pose(-0.37, 0.2 - 0.17 - clearance, 0.0)
+    assert clearance < DRIVE.map_clearance
+    path = retreat_path(walled, start, ORIGIN, DISTANCE)
+    assert path.length == pytest.approx(DISTANCE)
+    assert path.poses[-1].y == pytest.approx(start.y, abs=1e-9)

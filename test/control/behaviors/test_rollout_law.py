@@ -7,6 +7,7 @@ from helpers.straight_pushes import IDEAL, open_floor_primitives
 import numpy as np
 from push_control.behaviors.rollout_law import CURVATURES, RolloutLaw
 from push_control.perception.ensemble.members import Members
+from push_dynamics.walls import Wall
 from push_model.geometry import Pose
 from push_model.signals import Twist
 from push_primitives.cost_to_go import CostToGo
@@ -36,14 +37,14 @@ def members_at(offset, count=20):
     return members
 
 
-def law_at(offset, goal):
+def law_at(offset, goal, walls=()):
     """Return the law of a push at an offset from the middle of the face."""
-    return RolloutLaw(members_at(offset), symmetric_cost(), FACE, Pose(*goal), SPEED)
+    return RolloutLaw(members_at(offset), symmetric_cost(), FACE, Pose(*goal), SPEED, walls)
 
 
-def scanned_costs(offset, goal, curvature, step=0.002):
+def scanned_costs(offset, goal, curvature, step=0.002, walls=()):
     """Push the plant along an arc; return distances and what stopping there would cost."""
-    plant = Plant(box(), IDEAL, Pose(0.0, 0.0, 0.0), Pose(-DISTANCE, offset, 0.0))
+    plant = Plant(box(), IDEAL, Pose(0.0, 0.0, 0.0), Pose(-DISTANCE, offset, 0.0), walls=walls)
     command = Twist(0.2, 0.0, 0.2 * curvature)
     plant.set_velocities(Twist(0.0, 0.0, 0.0), command)
     distances, costs = np.arange(0.0, HORIZON, step), []
@@ -67,6 +68,18 @@ def test_it_stops_where_the_plant_has_the_least_cost(offset, goal, curvature, to
     assert cost - costs.min() < tolerance
     # Neither to stop at once nor to go on for ever comes near.
     assert min(costs[0], costs[-1]) > costs.min() + tolerance
+
+
+def test_beside_a_wall_it_knows_that_the_object_does_not_turn():
+    """The robot is beside the middle of the face: on open floor it would have to stop early."""
+    walls, offset, goal = (Wall(-3.0, 0.2, 3.0, 0.2),), -0.05, (0.3, 0.0, 0.0)
+    decision = law_at(offset, goal, walls).stop(0.0, HORIZON, 0.0)
+    distances, costs = scanned_costs(offset, goal, 0.0, walls=walls)
+    expected = np.interp(decision.stopping_distance, distances, costs)
+    assert decision.cost == pytest.approx(expected, abs=0.05)
+    on_open_floor = law_at(offset, goal).stop(0.0, HORIZON, 0.0)
+    assert on_open_floor.cost > decision.cost + 2.0
+    assert on_open_floor.stopping_distance < decision.stopping_distance - 0.05
 
 
 def test_at_the_goal_it_stops_at_once():
