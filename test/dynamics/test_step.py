@@ -48,7 +48,9 @@ class Kernel:
         """Return what ``step`` and ``advance`` take before the duration."""
         return layout.World(
             self.state, self.body, self.supports, self.outline, kernel_array(floor), self.forces,
-            kernel_array(drive_values(ROBOT)), self.command)
+            kernel_array(drive_values(ROBOT)), self.command,
+            kernel_array(np.zeros((0, layout.WALL_SIZE))),
+            kernel_array(np.zeros((0, layout.TOUCH_SIZE))))
 
     def numbers(self, *indices):
         """Return numbers of the state."""

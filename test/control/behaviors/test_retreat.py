@@ -65,7 +65,7 @@ def test_a_robot_beside_a_wall_backs_off_along_it():
     occupied = np.zeros((80, 80), dtype=bool)
     occupied[44:, :] = True
     walled = context('holonomic', OccupancyMap(0.05, Pose(-2.0, -2.0, 0.0), occupied))
-    clearance = 0.015
+    clearance = 0.03
     start = Pose(-0.37, 0.2 - 0.17 - clearance, 0.0)
     assert clearance < DRIVE.map_clearance
     path = retreat_path(walled, start, ORIGIN, DISTANCE)
