@@ -1,7 +1,8 @@
 """Benchmark of plans in maps: what its tasks are, and what its table says."""
 
 from benchmarks.map_plans.benchmark import measure, table
-from benchmarks.map_plans.instances import building, passage
+from benchmarks.map_plans.instances import (
+    building, FROM, GAPS, NICHES, Nook, nook, passage)
 import numpy as np
 from push_model.geometry import Pose
 from push_navigation.occupancy_map import OccupancyMap
@@ -27,6 +28,30 @@ def test_a_building_has_as_many_rooms_as_fit():
     assert instance.occupancy_map.occupied.shape == (400, 400)
     assert instance.goal.x - instance.start.x > 4.0
     assert instance.occupancy_map.robot_is_free(instance.robot, [instance.robot_start], 0.02)
+
+
+@pytest.mark.parametrize('name', ['box_04', 'bin'])
+@pytest.mark.parametrize('kind', list(Nook))
+def test_in_a_nook_the_object_is_as_near_to_walls_as_stated(name, kind):
+    """And the robot is clear of them, wherever the map lies; the other end is in the open."""
+    for seed in range(4):
+        instance = nook(kind, name, 'differential', seed)
+        near, far = ((instance.start, instance.goal) if kind in FROM
+                     else (instance.goal, instance.start))
+        low, high = GAPS
+        gap = instance.occupancy_map.object_clearance(instance.obj, [near])
+        assert (0.0 if kind in NICHES else low) - 1e-9 <= gap <= high
+        assert instance.occupancy_map.object_clearance(instance.obj, [far]) > 0.3
+        assert instance.occupancy_map.robot_is_free(instance.robot, [instance.robot_start], 0.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('name, kind, seed', [
+    ('box_04', Nook.TO_CORNER, 0), ('box_04', Nook.TO_NICHE, 3), ('bin', Nook.TO_CORNER, 8)])
+def test_objects_are_pushed_into_corners_and_niches(name, kind, seed):
+    """A box whose walls are nearer than half a cell; a disc that has to be turned before it."""
+    row = measure('', [nook(kind, name, 'differential', seed)])
+    assert row.found == [True]
 
 
 def test_a_task_is_counted_whether_it_has_a_plan_or_not():

@@ -27,8 +27,8 @@ def cell_key(query: Any, pose: Any, face: int, is_disc: bool) -> int:
             and abs(wrap_angles(goal.theta - pose[2])) < FINE_ANGLE):
         cell, headings, kind = FINE_CELL, FINE_HEADINGS, 1
     elif is_disc:
-        # How a disc is turned, and where it was pushed, matters at its goal only.
-        headings, face = 1, 0
+        # How a disc is turned matters only where it has no room to turn at its goal.
+        headings, face = query.lattice.disc_headings, 0
     column, row = int(math.floor(pose[0] / cell)), int(math.floor(pose[1] / cell))
     heading = int(math.floor(pose[2] * headings / (2.0 * math.pi) + 0.5)) % headings
     key = (column * 1048576 + row) * 128 + heading
