@@ -1,20 +1,24 @@
 """Approach: drive round the object to the pose from which the robot goes straight to contact."""
 
+from collections.abc import Sequence
 import math
 
+import numpy as np
 from push_control.behaviors.behavior import Behavior, BehaviorContext
 from push_control.behaviors.failures import BehaviorFailure, no_path
 from push_control.behaviors.path_execution import blocks, displacement, PathExecution
 from push_control.behaviors.straight_push import touch_speed
 from push_control.perception.object_at_rest import has_moved
 from push_control.perception.perception import TaskPerception
+from push_control.perception.view import View
 from push_control.steered.start import robot_start_pose
-from push_model.geometry import distance, Pose
+from push_model.geometry import distance, Pose, wrap_angle
 from push_model.parameters import RoundRobot
 from push_model.signals import STOP, Twist
 from push_model.trajectory import PushTrajectory
 from push_navigation.approach.approach_path import plan_approach
 from push_navigation.occupancy_map import OccupancyMap
+from push_navigation.path import NoPathFound, Path
 from push_navigation.path_planner import plan_path
 from push_navigation.settings import DriveSettings
 
@@ -32,6 +36,10 @@ HANDOVER_SIGMAS = 2.0
 MAX_HANDOVER_MARGIN = 0.04
 # Straight end of the path before that, on which the path follower settles [m]; chosen.
 SETTLING_DISTANCE = 0.02
+# Distance of the straight end of the path before the object gets too near to be seen, where it is
+# a landmark, and length of the segments on which a holonomic base faces it [m]; chosen: some
+# periods of a camera, and turns of some degrees.
+LAST_LOOK_DISTANCE, FACING_SPACING = 0.12, 0.1
 # Standard deviations of the robot's position that a gap must exceed to be there for certain.
 CERTAIN_SIGMAS = 3.0
 
@@ -174,19 +182,60 @@ class MovingApproach(StandoffApproach):
         super().__init__(context, target)
         self._line = target.straight_line()
         self._end_speed = touch_speed(target)
+        self._view = View.from_settings(context.supervision)
 
     def _plan_path(self, perception: TaskPerception, object_pose: Pose) -> PathExecution:
         context, drive = self._context, self._drive(perception, object_pose)
         handover_distance = HANDOVER_DISTANCE + min(
             MAX_HANDOVER_MARGIN, HANDOVER_SIGMAS * perception.localization.position_deviation)
-        path = plan_approach(context.robot, context.obj, object_pose, perception.robot_pose,
-                             object_pose @ self._line.start, drive,
-                             occupancy_map=context.occupancy_map,
-                             uncertainty=perception.position_uncertainty,
-                             end_speed=self._end_speed,
-                             final_straight=handover_distance + SETTLING_DISTANCE)
+        straights = [handover_distance + SETTLING_DISTANCE]
+        if perception.is_object_landmark and self._view.nearest > 0.0:
+            straights.insert(0, self._view.nearest + LAST_LOOK_DISTANCE)
+        path = self._planned(perception, object_pose, drive, straights)
+        if context.robot.drive == 'holonomic' and self._view.half_angle < math.pi:
+            path = facing_path(path, object_pose)
         return PathExecution(context.robot, drive, path, context.supervision.stall_timeout,
                              end_speed=self._end_speed, handover_distance=handover_distance)
 
+    def _planned(self, perception: TaskPerception, object_pose: Pose, drive: DriveSettings,
+                 straights: Sequence[float]) -> Path:
+        """
+        Plan the path, which ends on a straight line on to the object.
+
+        :param straights: lengths of that [m]; the first one counts that there is room for.
+        """
+        context = self._context
+        for index, straight in enumerate(straights, 1):
+            try:
+                return plan_approach(
+                    context.robot, context.obj, object_pose, perception.robot_pose,
+                    object_pose @ self._line.start, drive, occupancy_map=context.occupancy_map,
+                    uncertainty=perception.position_uncertainty, end_speed=self._end_speed,
+                    final_straight=straight)
+            except NoPathFound:
+                if index == len(straights):
+                    raise
+        raise ValueError('straights: got none, expected one at least')
+
     def _check_arrival(self, robot_pose: Pose, object_pose: Pose) -> None:
         self.finished = True
+
+
+def facing_path(path: Path, object_pose: Pose) -> Path:
+    """
+    Let a holonomic base face an object all along a path, so that it sees it.
+
+    :param path: ``Path`` of it.
+    :param object_pose: ``Pose`` of the object.
+    :return: ``Path`` of the same positions, in segments that are short where headings change.
+    """
+    poses = [path.poses[0]]
+    arc_angles: list[float] = []
+    for segment in path.segments:
+        count = max(1, math.ceil(segment.length / FACING_SPACING))
+        for x, y, _ in segment.poses(np.arange(1, count + 1) / count).tolist():
+            before = poses[-1].theta
+            direction = math.atan2(object_pose.y - y, object_pose.x - x)
+            poses.append(Pose(x, y, before + wrap_angle(direction - before)))
+            arc_angles.append(segment.arc_angle / count)
+    return Path(tuple(poses), tuple(arc_angles))

@@ -377,6 +377,13 @@ class TaskPerception(RawPerception):
                                 is_in_map=localization.is_robot_in_map)
 
     @property
+    def is_object_landmark(self) -> bool:
+        """Tell whether the object is seen relative to a robot whose own place drifts or jumps."""
+        localization = self.localization
+        return localization.is_relative and not (
+            self.is_robot_measured and not localization.is_robot_in_map)
+
+    @property
     def goal_deviation(self) -> PoseDeviation | None:
         """
         ``PoseDeviation`` of the object in the frame of its goal; None where tolerances bound it.
@@ -384,11 +391,9 @@ class TaskPerception(RawPerception):
         With poses that are relative to a robot the place of the goal errs as that of the robot
         does, however well the object is seen: it drifts with odometry, or is that of a map.
         """
-        localization = self.localization
-        is_known = self.is_robot_measured and not localization.is_robot_in_map
-        if not localization.is_relative or is_known:
+        if not self.is_object_landmark:
             return None
-        return localization.object_covariance.deviation
+        return self.localization.object_covariance.deviation
 
     def restart_averaging(self, time: float) -> None:
         """Forget where the object was at rest."""

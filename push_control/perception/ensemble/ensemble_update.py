@@ -284,6 +284,22 @@ class EnsembleUpdate:
         """
         update_blocks(blocks, first, self._deviations, self._innovation, self._factor)
 
+    def resample(self, samples: FloatArray) -> FloatArray:
+        """
+        Draw anew what is measured, by the innovation that was tested, independent of all else.
+
+        With the covariance P of what the members expect and its gain K = P (P + R)^-1, the mean
+        moves by K times the innovation, and (I - K) P is the covariance.
+
+        :param samples: standard normal numbers, shape (n, m).
+        :return: what is measured, by each member, shape (n, m).
+        """
+        deviations = self._deviations
+        covariance = deviations.T @ deviations / (len(deviations) - 1)
+        gain = np.linalg.solve(covariance + self._noise, covariance).T
+        factor = np.linalg.cholesky(covariance - gain @ covariance)
+        return self.mean + gain @ self._innovation + samples @ factor.T
+
     def jump(self, robots: FloatArray) -> FloatArray:
         """
         Explain the innovation that was tested by a jump of all robots.

@@ -19,8 +19,11 @@ expects. Then the members differ too little, and are spread until they explain i
 A pose z that is relative to the robot is compared with each member's own relation of robot r and
 object o, r^-1 o. It tells of the robot and of odometry always, so that an object at rest is a
 landmark; but of friction only after a contact, as chance correlations of the members would say
-more of it than there is to know. Of wheels that creep it tells nothing: what is pushed comes along
-with the robot, however far both have come.
+more of it than there is to know. After a contact that nobody has seen it tells of object and
+friction alone: what is pushed comes along with the robot, wherever both have gone, and by how much
+it has turned is far from linear in the errors of odometry. The relations are then drawn anew, as
+the pose leaves them, so that what remains of that push is not taken for drift later. For the same
+reason it tells nothing of wheels that creep.
 """
 
 import math
@@ -115,8 +118,28 @@ class MeasurementUpdate:
                                        + test.log_determinant)
         if test.squared_distance > OUTLIER_GATE:
             return self._count_outlier(measured, innovation, test.squared_distance)
-        self._include(measured, update)
+        if state.is_relative and measured.time < state.coupled_until:
+            self._relate(measured, update)
+        else:
+            self._include(measured, update)
         return True
+
+    def _relate(self, measured: ObjectPose, update: EnsembleUpdate) -> None:
+        """Place the objects after a contact that nobody has seen; no robot moves."""
+        state, members = self._state, self._state.members
+        poses = state.history.at(measured.time)
+        robots, objects = poses[:, :POSE], poses[:, OBJECT_COLUMNS:]
+        placed = composed_poses(robots, update.resample(state.normal((members.count, POSE))))
+        shifts = placed - objects - state.bias.errors(robots, objects)
+        self._shift_objects(shifts)
+        if state.knows_contact:
+            friction = members.parameters[:, ODOMETRY_ERRORS:].copy()
+            update.apply(friction)
+            members.parameters[:, ODOMETRY_ERRORS:] = friction
+            members.apply_parameters()
+        state.outliers = 0
+        state.explained_time = measured.time
+        state.coupled_until = -math.inf
 
     def _shift_objects(self, shifts: FloatArray) -> None:
         """Move the objects of all members, now and before, by (x, y, theta), shape (n, 3)."""
@@ -250,7 +273,7 @@ class MeasurementUpdate:
         if state.outliers < MAX_OUTLIERS:
             return False
         spread = math.sqrt(squared_distance / SPREAD_GATE)
-        if self._had_unseen_contact and spread <= MAX_SPREAD:
+        if self._had_unseen_contact and not state.is_relative and spread <= MAX_SPREAD:
             self._spread_members(spread)
             update, innovation = self._compare(measured)
             update.test(innovation)
@@ -277,7 +300,8 @@ class MeasurementUpdate:
     def _accept_displacement(self, measured: ObjectPose, displacement: FloatArray) -> None:
         """Accept that the object is elsewhere: somebody has moved it, or the robot is lost."""
         state = self._state
-        was_pushed = state.members.contact_ratio > 0.0 or self._had_unseen_contact
+        was_pushed = not state.is_relative and (
+            state.members.contact_ratio > 0.0 or self._had_unseen_contact)
         if state.bias.explains(displacement):
             # Perhaps it is where it was, and the robot sees another mark.
             state.bias.forget()

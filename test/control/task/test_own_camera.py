@@ -13,7 +13,7 @@ from push_scenario.definition.scenario import Placement, Scenario, Start
 from push_scenario.definition.task import Task
 from push_scenario.simulation.loop import simulate
 from push_scenario.simulation.result import Outcome
-from push_sim_node.camera import CameraSettings
+from push_sim_node.camera import Camera, CameraSettings
 from push_sim_node.sensors import SensorSettings
 from push_sim_node.simulation import SimulationSettings
 import pytest
@@ -38,7 +38,26 @@ JUMPS = {'odometry_jump': 0.07, 'odometry_heading_jump': math.radians(2.0),
 GROUPS = {'localized': LOCALIZED, 'drifting': DRIFTING, 'jumps': JUMPS}
 
 
-def pushed(drive, is_own, *more):
+class LastLooks:
+    """Notes for how long the object has not been in view as each push begins [s]: ``ages``."""
+
+    def __init__(self):
+        """Start before the first measurement."""
+        self.ages = []
+        self._seen_at, self._state = -math.inf, None
+
+    def __call__(self, simulation, supervisor):
+        """Look, before a measurement."""
+        truth = simulation.truth
+        camera = Camera(simulation.sensors.camera, simulation.obj, simulation.robot.radius)
+        if camera.sees(truth.object_pose, truth.robot_pose):
+            self._seen_at = simulation.time
+        if supervisor.state is not self._state and supervisor.state is TaskState.PUSH:
+            self.ages.append(simulation.time - self._seen_at)
+        self._state = supervisor.state
+
+
+def pushed(drive, is_own, *more, intervene=None):
     """Simulate a task with a camera on the robot or in the room."""
     robot = RoundRobot(radius=0.17, drive=drive, max_speed=0.3, max_yaw_rate=1.9,
                        max_acceleration=0.9)
@@ -52,7 +71,8 @@ def pushed(drive, is_own, *more):
         task=Task(supervision=supervision), time_limit=200.0)
     fields = {**(OWN_CAMERA if is_own else ROOM_CAMERA), **{
         name: value for group in more for name, value in GROUPS[group].items()}}
-    return simulate(with_sensors(task, dataclasses.replace(SensorSettings(), **fields)))
+    return simulate(with_sensors(task, dataclasses.replace(SensorSettings(), **fields)),
+                    intervene=intervene)
 
 
 def test_a_robot_whose_place_is_measured_is_done_within_its_tolerances():
@@ -64,9 +84,12 @@ def test_a_robot_whose_place_is_measured_is_done_within_its_tolerances():
     assert not result.status.codes
 
 
-def test_done_by_odometry_alone_states_a_deviation_that_is_true():
-    """Poses that are relative to the robot tell nothing of where its goal has drifted to."""
-    result = pushed('holonomic', True, 'drifting')
+@pytest.mark.parametrize('drive', ['differential', 'holonomic'])
+def test_done_by_odometry_alone_states_a_deviation_that_is_true(drive):
+    """Poses relative to the robot tell no drift of the goal; it looks until just before a push."""
+    looks = LastLooks()
+    result = pushed(drive, True, 'drifting', intervene=looks)
+    assert looks.ages and max(looks.ages) < 1.5
     assert result.outcome is Outcome.DONE, result.reason
     assert TaskEvent.DONE_BY_ODOMETRY in result.status.codes
     stated = result.status.goal_deviation

@@ -38,6 +38,22 @@ def test_the_update_is_that_of_the_filter(size, seed):
     assert np.array_equal(moved[:, 0], block[:, 0])
 
 
+@pytest.mark.parametrize('size', [1, 3])
+def test_what_is_measured_is_drawn_anew_as_the_filter_leaves_it(size):
+    """With its mean and covariance, those of precisions that add up; no member keeps its own."""
+    expected, _, noise, innovation = case(size, 0)
+    update = EnsembleUpdate(expected, noise)
+    update.test(innovation)
+    center, factor = update.resample(np.zeros((1, size)))[0], np.eye(size)
+    columns = update.resample(factor) - center
+    prior = np.cov(expected.T).reshape(size, size)
+    precisions = np.linalg.inv(prior) + np.linalg.inv(noise)
+    np.testing.assert_allclose(columns.T @ columns, np.linalg.inv(precisions), atol=1e-10)
+    weighted = (np.linalg.inv(prior) @ update.mean
+                + np.linalg.inv(noise) @ (update.mean + innovation))
+    np.testing.assert_allclose(precisions @ center, weighted, atol=1e-8)
+
+
 def test_a_jump_of_all_members_explains_the_innovation():
     """Where the poses themselves are measured it is the innovation."""
     robots = np.random.default_rng(1).standard_normal((COUNT, 3))

@@ -6,7 +6,9 @@ from helpers.ensemble_runs import CONTROL, NO_NOISE, NOISE, ROBOT
 from helpers.objects import box
 import numpy as np
 from push_base.push_force import needed_force
+from push_control.perception.ensemble.members import ODOMETRY_ERRORS
 from push_control.perception.ensemble.push_ensemble import PushEnsemble
+from push_control.perception.ensemble.relation import relative_poses
 from push_model.geometry import distance, Pose
 from push_model.signals import ObjectPose, Odometry, PoseCovariance, STOP
 import pytest
@@ -27,7 +29,7 @@ class Pusher:
         self.ensemble = PushEnsemble(box(), ROBOT, CONTROL, noise)
         self.creep, self.is_relative = creep, is_relative
         self.time, self.odometry = 0.0, TOUCH - 0.05
-        self.robot, self.box = self.odometry, 0.0
+        self.robot, self.box, self.turned = self.odometry, 0.0, 0.0
         self.see()
 
     def see(self):
@@ -39,8 +41,8 @@ class Pusher:
     @property
     def object_pose(self):
         """The pose of the box that is measured now."""
-        relation = Pose(self.box - self.robot, 0.0, 0.0)
-        return ObjectPose(self.time, Pose(self.box, 0.0, 0.0),
+        relation = Pose(self.box - self.robot, 0.0, self.turned)
+        return ObjectPose(self.time, Pose(self.box, 0.0, self.turned),
                           relative=relation if self.is_relative else None)
 
     def drive(self, length):
@@ -138,3 +140,31 @@ def test_an_object_that_a_tap_has_moved_otherwise_is_where_it_is_seen():
     pusher.box += 0.006
     pusher.see()
     assert pusher.ensemble.object_pose.x == pytest.approx(pusher.box, abs=1e-3)
+
+
+def test_a_relative_pose_after_an_unseen_push_moves_the_object_alone():
+    """However the push has gone; robots and errors of odometry stay as they were."""
+    pusher = Pusher(NOISE, 0.0, is_relative=True)
+    pusher.drive(0.35)
+    pusher.drive(-0.2)
+    members = pusher.ensemble.members
+    robots, errors = members.robot_poses.copy(), members.parameters[:, :ODOMETRY_ERRORS].copy()
+    relation = pusher.object_pose.relative @ Pose(0.0, -0.01, 0.08)
+    assert pusher.ensemble.update(pusher.object_pose._replace(relative=relation))
+    assert np.array_equal(members.robot_poses, robots)
+    assert np.array_equal(members.parameters[:, :ODOMETRY_ERRORS], errors)
+    relations = relative_poses(members.robot_poses, members.object_poses)
+    assert relations.mean(axis=0) == pytest.approx(np.array(relation), abs=5e-3)
+    # What remains uncertain of the relation is not what was uncertain of the robot.
+    correlations = np.corrcoef(np.hstack([relations, robots]).T)[:3, 3:]
+    assert np.abs(correlations).max() < 0.4
+
+
+def test_how_an_unseen_push_turns_the_object_is_not_taken_for_a_drift_of_the_robot():
+    """Push after push it turns otherwise than expected, as its friction is not what it seems."""
+    pusher = Pusher(NOISE, 0.0, is_relative=True)
+    for _ in range(3):
+        pusher.turned += 0.2
+        pusher.push(0.3)
+    assert abs(pusher.ensemble.pose.theta) < 0.02
+    assert pusher.ensemble.object_pose.theta == pytest.approx(pusher.turned, abs=0.02)
