@@ -1,0 +1,72 @@
+"""The place of the robot, from the messages of a map, odometry and scans."""
+
+import dataclasses
+
+from builtin_interfaces.msg import Time
+from helpers.lidar_rooms import EXACT, room_cells, scan_at, standing
+import numpy as np
+from push_control.ros.parameters import ControllerParameters, SECTIONS
+from push_control.ros.robot_placing import RobotPlacing
+from push_model.files import data
+from push_model.files.flat_values import from_parameter_values, to_parameter_values
+from push_model.files.parameter_files import read_object, read_robot
+from push_model.geometry import Pose
+from push_model.signals import PoseCovariance, RobotPlace
+from push_navigation.occupancy_map import OccupancyMap
+from push_ros.conversions.lidar import to_scan_message
+from push_ros.conversions.map import to_map_message
+import pytest
+
+CELLS = room_cells(5.0, 4.0, [(40, 30, 55, 40)])
+ORIGIN, PLACE = Pose(-1.0, 2.0, 0.2), Pose(1.5, 1.2, 0.4)
+MAP = to_map_message(OccupancyMap(0.05, ORIGIN, CELLS), Time(), 'odom')
+
+
+def placing_by(**changes):
+    """Make it with some settings of the place; a stated mounting needs no transforms."""
+    values = {**to_parameter_values(read_object(data.config_file('objects/box_04.yaml')),
+                                    'object.'),
+              **to_parameter_values(read_robot(data.config_file('robots/disc_017.yaml')),
+                                    'robot.')}
+    parameters = ControllerParameters(*(from_parameter_values(section, values, prefix)
+                                        for prefix, section in SECTIONS))
+    place = dataclasses.replace(EXACT, mount='stated', **changes)
+    return RobotPlacing(parameters._replace(place=place), None)
+
+
+def measure(placing, robot, start=0.0):
+    """Let odometry and a scan of a robot come that stands."""
+    for time in (start, start + 0.1):
+        placing.update(standing(time, robot), None)
+    scan = scan_at(CELLS, robot, origin=ORIGIN, time=start)
+    message = to_scan_message(scan, Time(nanosec=round(1e9 * start)), 'laser')
+    placing.update(placing.read_scan(message), None)
+    return placing.newest
+
+
+def test_a_map_and_a_scan_make_a_place_which_moves_with_the_map():
+    """Where the map lies elsewhere, the robot that sees the same is elsewhere, too."""
+    robot = ORIGIN @ PLACE
+    placing = placing_by()
+    assert measure(placing, robot) is None
+    placing.reset()
+    placing.set_map(MAP)
+    first = measure(placing, robot)
+    assert np.allclose(first.pose, robot, atol=2e-3)
+    placing.set_map_origin(Pose(ORIGIN.x + 0.04, ORIGIN.y, ORIGIN.theta))
+    for index in range(1, 15):
+        place = measure(placing, robot, 0.2 * index)
+    assert place.pose.x - first.pose.x == pytest.approx(0.04, abs=5e-3)
+    placing.reset()
+    assert placing.newest is None
+
+
+@pytest.mark.parametrize('source', ['none', 'place'])
+def test_scans_count_only_where_they_are_the_source(source):
+    """A place of another localization is taken as it is."""
+    placing = placing_by(source=source)
+    placing.set_map(MAP)
+    assert measure(placing, ORIGIN @ PLACE) is None
+    place = RobotPlace(0.0, PLACE, PoseCovariance.from_deviations(0.01, 0.01))
+    placing.update(place, None)
+    assert placing.newest == place
