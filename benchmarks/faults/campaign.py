@@ -17,7 +17,7 @@ import time
 from typing import NamedTuple
 
 from benchmarks.faults.injection import (
-    Fault, Injection, Input, SIMULATED, Word, words_of,
+    Fault, IN_PROCESS, Injection, Input, SIMULATED, Word, words_of,
 )
 from benchmarks.faults.node_rig import final_report, Report, run_node
 from benchmarks.faults.process_rig import (
@@ -72,7 +72,8 @@ def draw(scenarios: Sequence[str], seed: int, count: int) -> list[Case]:
     rng = np.random.default_rng(seed)
     inputs = [*((scenario, kind) for scenario in scenarios for kind in SIMULATED),
               *((NODE_SCENARIO, kind) for kind in Input
-                if kind not in SIMULATED and NODE_SCENARIO in scenarios)]
+                if kind not in IN_PROCESS and NODE_SCENARIO in scenarios),
+              *((scenario, Input.BASE) for scenario in scenarios)]
     return [Case(scenario, Fault(kind, word, start, start + duration))
             for scenario, kind in inputs for word in words_of(kind) for duration in DURATIONS
             for start in _moments(scenario, kind, word, rng, count)]
@@ -94,7 +95,7 @@ def run(case: Case, time_after: float = TIME_AFTER) -> Row:
     :param case: the ``Case``.
     :param time_after: simulated time after the fault in which the run has to end [s].
     """
-    if case.fault.input not in SIMULATED:
+    if case.fault.input not in IN_PROCESS:
         return _run_node(case, time_after)
     fault = case.fault
     until = fault.end if fault.is_temporary else fault.start

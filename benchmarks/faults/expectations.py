@@ -209,8 +209,23 @@ CLOCK = {
         _named(STAMPS, WRONG_ODOMETRY, NOT_FOLLOWING, SafetyReason.BASE_STOOD), driven=0.07,
         note='as odometry that is off'),
 }
+UNFIT = (*NOT_FOLLOWING, SafetyReason.FOLLOWS_LATE, SafetyReason.BASE_STOOD)
+BASE = {
+    Word.DEAD_BAND: Expectation(
+        _named(UNFIT, BehaviorFailure.STALLED), must_stop=False,
+        note='it is learned, and the base is driven in pulses'),
+    Word.ONE_WHEEL: Expectation(
+        _named(UNFIT), stop_time=2.0, driven=0.3,
+        note='speeds of wheels are learned while it drives; beyond those it is stopped'),
+    Word.SLUGGISH: Expectation(
+        _named(UNFIT), must_stop=False,
+        note='it is learned, and the base is driven no harder than it follows'),
+    Word.LATE: Expectation(
+        _named(UNFIT), must_stop=False,
+        note='within what bases are late by; it is learned, and driven ahead of'),
+}
 TABLES = {Input.ODOMETRY: ODOMETRY, Input.POSE: POSE, Input.COMMAND: COMMAND, Input.GOAL: GOAL,
-          Input.MAP: MAP, Input.PLAN: PLAN, Input.CLOCK: CLOCK}
+          Input.MAP: MAP, Input.PLAN: PLAN, Input.CLOCK: CLOCK, Input.BASE: BASE}
 EXPECTATIONS = {(kind, word): expectation for kind, table in TABLES.items()
                 for word, expectation in table.items()}
 

@@ -28,10 +28,13 @@ class Input(enum.Enum):
     MAP = 'map'
     PLAN = 'plan'
     CLOCK = 'clock'
+    # What the base makes of its commands.
+    BASE = 'base'
 
 
-# Inputs that the simulation and the robot have in one process, too.
+# Inputs that the simulation and the robot have in one process, too, and all that is done in one.
 SIMULATED = Input.ODOMETRY, Input.POSE, Input.COMMAND
+IN_PROCESS = (*SIMULATED, Input.BASE)
 
 
 class Word(enum.Enum):
@@ -69,6 +72,14 @@ class Word(enum.Enum):
     OF_THE_ROBOT = 'of the robot'
     # Noise of 2 cm and 0.02 rad besides, which is not stated.
     NOISY = 'noisy'
+    # Slow commands move nothing.
+    DEAD_BAND = 'dead band'
+    # The left wheel turns at 0.6 of its speed.
+    ONE_WHEEL = 'one wheel'
+    # Speeds change by 0.15 m/s and 0.6 rad/s in a second at most.
+    SLUGGISH = 'sluggish'
+    # Commands are followed 0.3 s late.
+    LATE = 'late'
 
 
 # What can be done only to some inputs; all else to anything.
@@ -76,6 +87,8 @@ FURTHER_WORDS = {Word.SLIPPING: 'odometry', Word.IN_WORLD_AXES: 'odometry comman
                  Word.SHARED: 'command', Word.OUTLIERS: 'pose', Word.NEAR_TIMEOUT: 'pose',
                  Word.OF_ANOTHER_OBJECT: 'pose', Word.MIRRORED: 'pose',
                  Word.OF_THE_ROBOT: 'pose', Word.NOISY: 'pose'}
+# What is done to the base alone.
+BASE_WORDS = Word.DEAD_BAND, Word.ONE_WHEEL, Word.SLUGGISH, Word.LATE
 # Those that show the object, or what is taken for it, elsewhere.
 POSE_WORDS = (Word.GARBAGE, Word.WRONG, Word.OUTLIERS, Word.OF_ANOTHER_OBJECT, Word.MIRRORED,
               Word.OF_THE_ROBOT, Word.NOISY)
@@ -119,11 +132,18 @@ def words_of(kind: Input) -> list[Word]:
 
     :param kind: the ``Input``.
     """
-    return [word for word in Word if kind.value in FURTHER_WORDS.get(word, kind.value)]
+    if kind is Input.BASE:
+        return list(BASE_WORDS)
+    return [word for word in Word
+            if word not in BASE_WORDS and kind.value in FURTHER_WORDS.get(word, kind.value)]
 
 
 OFFSET = Pose(0.3, 0.0, 0.5)
 DELAY = 0.5
+DEAD_SPEED, DEAD_YAW_RATE = 0.06, 0.3
+WHEEL_RATIO, TRACK = 0.6, 0.25
+SLUGGISH_RATES = 0.15, 0.15, 0.6
+BASE_DELAY = 0.3
 SLOW_COUNT = 10
 PERIOD, GAP = 1.0, 0.4
 SLIP_RATIO = 0.5
@@ -183,7 +203,7 @@ class Injection:
         if self._is_installed:
             return
         self._is_installed = True
-        if self._fault.input is Input.COMMAND:
+        if self._fault.input in (Input.COMMAND, Input.BASE):
             self._spoil_commands(simulation)
         else:
             self._spoil_measurements(simulation)
@@ -218,6 +238,8 @@ class Injection:
     def _spoilt_command(self, twist: Twist, simulation: Simulation) -> Twist:
         word, time = self._fault.word, simulation.time
         self._count += 1
+        if word in BASE_WORDS:
+            return self._imperfect_command(twist, time)
         if word is Word.OFF or word is Word.INTERMITTENT and time % PERIOD < GAP:
             return STOP
         if word is Word.STUCK:
@@ -235,8 +257,29 @@ class Injection:
         if word is Word.SHARED:
             return twist if self._count % 2 else OTHER_COMMAND
         if word is Word.DELAYED:
-            return next((late for at, late in reversed(self._late) if at <= time - DELAY), STOP)
+            return self._command_before(time - DELAY)
         return twist
+
+    def _command_before(self, time: float) -> Twist:
+        return next((late for at, late in reversed(self._late) if at <= time), STOP)
+
+    def _imperfect_command(self, twist: Twist, time: float) -> Twist:
+        """Return what a base makes of a command."""
+        word = self._fault.word
+        if word is Word.DEAD_BAND:
+            return Twist(*(value if abs(value) >= least else 0.0 for value, least in zip(
+                twist, (DEAD_SPEED, DEAD_SPEED, DEAD_YAW_RATE))))
+        if word is Word.ONE_WHEEL:
+            left = WHEEL_RATIO * (twist.v_x - 0.5 * TRACK * twist.omega)
+            right = twist.v_x + 0.5 * TRACK * twist.omega
+            return Twist(0.5 * (left + right), twist.v_y, (right - left) / TRACK)
+        if word is Word.LATE:
+            return self._command_before(time - BASE_DELAY)
+        last, self._last = self._last or STOP, twist
+        step = time - self._late[-2][0] if len(self._late) > 1 else 0.0
+        self._last = Twist(*(before + max(-rate * step, min(rate * step, value - before))
+                             for before, value, rate in zip(last, twist, SLUGGISH_RATES)))
+        return self._last
 
     def _let_slip(self, simulation: Simulation) -> None:
         """Move the robot less than its wheels, by which it is measured."""

@@ -19,7 +19,7 @@ from benchmarks.faults.simulated import Record, Simulated
 import numpy as np
 from push_control.task.status import TaskState
 from push_model.geometry import distance, FloatArray, Pose, wrap_angle
-from push_model.signals import STOP
+from push_model.signals import STOP, Twist
 from push_sim_node.tape import Tape
 
 # What counts as where the controller says that the object is, over its tolerances; chosen: a
@@ -32,6 +32,10 @@ STANDING_SPEED, STANDING_YAW_RATE = 0.01, 0.05
 # Time after a fault of commands, or the stop for it, in which the object counts as displaced by it
 # [s]; chosen: longer than a base takes to come to rest.
 DISPLACING_TIME = 1.0
+# Greatest speed at the end of a run, from which a weak base brakes in a time [m/s], [s]: at
+# 0.15 m/s^2. Lever of rotations [m].
+BRAKING_SPEED, BRAKING_TIME = 0.4, 2.5
+LEVER = 0.2
 # Error of a difference of times [s].
 ROUNDING = 1e-6
 
@@ -102,7 +106,7 @@ def effective_start(fault: Fault, record: Record) -> float:
     :param record: ``Record`` of the run.
     :return: time [s]; nan for never.
     """
-    if fault.input is Input.COMMAND:
+    if fault.input in (Input.COMMAND, Input.BASE):
         return effect_time(record.scenario.true_robot, fault, record.tape, record.sent)
     start = fault.start
     if fault.input in (*SIMULATED, Input.CLOCK) and fault.word is Word.INTERMITTENT:
@@ -189,19 +193,30 @@ def stands(simulated: Simulated, is_base_driven: bool) -> bool:
     Tell whether nothing drives in the end.
 
     :param simulated: ``Simulated``: a robot that waits has to have commanded zero for a second,
-        another one since the run has ended.
+        another one may brake as slowly as a weak base does.
     :param is_base_driven: whether somebody else may drive the base; only commands count then.
     """
-    record = simulated.record
-    since = record.end_time
-    if simulated.ending is Ending.WAITS:
-        since -= FINAL_TIME
-    if any(sent.twist != STOP for sent in record.sent if sent.time > since):
+    record, tape = simulated.record, simulated.record.tape
+    waits = simulated.ending is Ending.WAITS
+    since = record.end_time - FINAL_TIME if waits else record.end_time
+    last = [sent for sent in record.sent if sent.time > since]
+    if any(sent.twist != STOP for sent in (last if waits else last[-1:])):
         return False
-    tape = record.tape
+    if not all(_size(sent.twist) <= _braking_limit(sent.time - since) for sent in last):
+        return False
     return is_base_driven or (
         math.hypot(tape['robot_v_x'][-1], tape['robot_v_y'][-1]) <= STANDING_SPEED
         and abs(float(tape['robot_omega'][-1])) <= STANDING_YAW_RATE)
+
+
+def _size(twist: Twist) -> float:
+    """Return the speed of a command, rotations by a lever [m/s]."""
+    return math.hypot(twist.v_x, twist.v_y, LEVER * twist.omega)
+
+
+def _braking_limit(elapsed: float) -> float:
+    """Limit the speed of a command some time [s] after the end of a run [m/s]."""
+    return max(0.0, BRAKING_SPEED * (1.0 - elapsed / BRAKING_TIME))
 
 
 def is_truly_done(record: Record, fault: Fault | None = None) -> bool:
@@ -236,7 +251,7 @@ def deviation(record: Record, fault: Fault, stop_time: float) -> float:
     poses = np.array(record.tape.poses('object'))[:, :2]
     planned = np.concatenate([poses[:1], *(plan.object_poses[:, :2] for plan in record.plans)])
     end = math.inf
-    if fault.input is Input.COMMAND:
+    if fault.input in (Input.COMMAND, Input.BASE):
         # What it has done to the object is corrected on other paths, and a base that goes on to
         # push the object although zero is commanded does so for nobody here.
         end = (fault.end if math.isnan(stop_time) else stop_time) + DISPLACING_TIME

@@ -10,8 +10,11 @@ def _mutant(name: str, old: str, new: str) -> Mutant:
 
 
 MUTANTS = (
-    _mutant('every robot stands', 'if any(sent.twist != STOP for sent in record.sent',
-            'if False and any(sent.twist != STOP for sent in record.sent'),
+    _mutant('every robot stands', 'if any(sent.twist != STOP for sent in (',
+            'if False and any(sent.twist != STOP for sent in ('),
+    _mutant('every robot may brake for ever',
+            'if not all(_size(sent.twist) <= _braking_limit(', 'if False and not all(_size(sent.'
+            'twist) <= _braking_limit('),
     _mutant('a robot that moves in truth stands',
             'return is_base_driven or (', 'return True or ('),
     _mutant('every run that says so is done', 'if not is_truly_done(record, fault):',

@@ -3,7 +3,9 @@
 import math
 
 from benchmarks.faults.campaign import Case, draw, run
-from benchmarks.faults.injection import Fault, Injection, Input, SIMULATED, Word, words_of
+from benchmarks.faults.injection import (
+    Fault, IN_PROCESS, Injection, Input, SIMULATED, Word, words_of,
+)
 from benchmarks.faults.process_rig import (
     append_process_row, process_faults, ProcessRow, read_process_rows,
 )
@@ -121,7 +123,7 @@ def test_every_word_is_drawn_for_every_input():
     drawn = draw([PUSH, TASK], seed=1, count=2)
     # For both scenarios, moments and durations.
     words = {kind: len(words_of(kind)) for kind in Input}
-    assert len(drawn) == 4 * (sum(words.values()) + sum(words[kind] for kind in SIMULATED))
+    assert len(drawn) == 4 * (sum(words.values()) + sum(words[kind] for kind in IN_PROCESS))
     assert draw([PUSH, TASK], seed=1, count=2) == drawn
     row = run(Case(PUSH, Fault(Input.POSE, Word.SLOW, 1.0, 1.5)), time_after=1.0)
     lines = table([row._replace(fault=case.fault) for case in drawn]).splitlines()
@@ -188,3 +190,10 @@ def test_random_runs_that_are_done_are_not_done_again(tmp_path):
         append_random_row(path, row)
     assert read_random_rows(path) == rows
     assert run_many(2, 3, path, jobs=1) == rows[3:]
+
+
+@pytest.mark.parametrize('word', [Word.DEAD_BAND, Word.ONE_WHEEL, Word.SLUGGISH, Word.LATE])
+def test_a_base_that_is_imperfect_for_a_while_costs_no_goal(word: Word) -> None:
+    """And nothing that is not expected of it."""
+    row = run(Case(TASK, Fault(Input.BASE, word, 1.0, 3.0)))
+    assert row.ending is Ending.DONE and row.is_ok

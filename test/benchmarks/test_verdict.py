@@ -28,14 +28,15 @@ COLUMNS = ('time', 'object_x', 'object_y', 'object_theta', 'robot_x', 'robot_y',
 
 def evaluated(*, fault: Fault = FAULT, ending: Ending = Ending.FAILED,
               codes: tuple[str, ...] = (REASON,), stop_time: float = 2.2, speed: float = 0.1,
-              final: Twist = STOP, final_speed: float = 0.0, off: float = 0.0,
+              final: Twist = STOP, brake: float = 0.0, final_speed: float = 0.0, off: float = 0.0,
               heading_off: float = 0.0, moved: float = 0.0) -> Verdict:
     """
     Evaluate a run that is ok but for what is given.
 
     :param stop_time: when the robot commands zero for the first time [s].
     :param speed: of the robot until then [m/s].
-    :param final: commanded after the end.
+    :param final: commanded after the end, for ``brake`` at first [s] and zero then, or for good
+        where that is 0.
     :param final_speed: of the robot in truth after the end [m/s].
     :param off: of the object from its goal at the end [m], and ``heading_off`` its heading [rad].
     :param moved: distance of the object from its plans while the run lasts [m].
@@ -46,8 +47,9 @@ def evaluated(*, fault: Fault = FAULT, ending: Ending = Ending.FAILED,
     rows: FloatArray = np.column_stack((
         TIMES, zeros + goal.x + off, object_y, zeros + goal.theta + heading_off,
         0.02 * np.cumsum(velocity) - 1.0, zeros, zeros, velocity, zeros, zeros)).astype(float)
-    sent = [SentCommand(time, DRIVES if time < stop_time else STOP if time <= END else final)
-            for time in TIMES.tolist()]
+    final_end = END + brake if brake else math.inf
+    sent = [SentCommand(time, DRIVES if time < stop_time else final if END < time <= final_end
+                        else STOP) for time in TIMES.tolist()]
     record = Record(SCENARIO, Tape(COLUMNS, rows), [], sent, END)
     return evaluate(fault, Simulated(record, ending, 'banana', codes))
 
@@ -84,6 +86,17 @@ def test_a_run_whose_robot_drives_in_the_end_is_not_ok(ending: Ending) -> None:
         fault=others, ending=ending, codes=codes, final_speed=0.3).violations
     assert Violation.STILL_DRIVES in evaluated(
         fault=others, ending=ending, codes=codes, final=DRIVES).violations
+
+
+def test_a_robot_may_brake_in_the_end_but_not_drive_on() -> None:
+    """As a weak base; zero comes at last."""
+    for ending in (Ending.DONE, Ending.FAILED):
+        assert not evaluated(ending=ending, final=DRIVES, brake=0.5).violations
+        fast = Twist(0.38, 0.0, 0.0)
+        assert evaluated(ending=ending, final=fast, brake=0.5).violations == (
+            Violation.STILL_DRIVES,)
+    assert evaluated(ending=Ending.WAITS, final=DRIVES, brake=0.1).violations == (
+        Violation.STILL_DRIVES,)
 
 
 def test_a_robot_that_waits_has_stood_for_a_second() -> None:
