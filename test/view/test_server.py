@@ -213,7 +213,7 @@ def test_an_address_is_served_while_it_is_needed():
 
 def test_a_connection_that_asks_for_nothing_is_closed(monkeypatch):
     """Half a request is none; who asks is served."""
-    monkeypatch.setattr(serving, 'IDLE_TIME', 0.05)
+    monkeypatch.setattr(serving, 'IDLE_TIME', 0.3)
 
     async def play():
         callbacks = server.Callbacks(lambda text: asyncio.sleep(0.0))
