@@ -103,3 +103,16 @@ def test_the_overlap_is_the_shortest_way_out():
             -0.2 - 0.5 * SIDE)
         assert floor.object_clearance(box(), [Pose(middle + 0.1, middle, heading)]) == (
             pytest.approx(-0.1 - 0.5 * SIDE))
+
+
+@pytest.mark.parametrize('obj', [box(), bin_()], ids=['box', 'bin'])
+def test_a_margin_may_be_an_overlap(obj):
+    """It is allowed up to the margin, in the middle of the map and at its border."""
+    cells = np.zeros((60, 60), dtype=bool)
+    cells[30, 30] = True
+    floor, middle = OccupancyMap(SIDE, Pose(0.0, 0.0, 0.0), cells), 30.5 * SIDE
+    for x in (middle, middle + 0.1, middle + 0.17, 0.05, 0.15, 0.9):
+        pose = Pose(x, middle, 0.3)
+        clearance = floor.object_clearance(obj, [pose])
+        for margin in (-0.33, -0.12, -0.04, -0.02, 0.02, 0.12):
+            assert floor.object_is_free(obj, [pose], margin) is bool(clearance > margin)
