@@ -1,6 +1,7 @@
 """Where a box can be pushed without steering: stable regions round its perimeter."""
 
 import functools
+import math
 from typing import Callable
 
 from matplotlib.figure import Figure
@@ -50,8 +51,11 @@ def compute_diameters(values: Values, run_jobs: RunJobs) -> Outcome:
     best = int(np.argmax(peaks))
     findings['best_diameter'] = Finding(values.robot_diameters[best], 'm', 'diameter of the robot '
                                         'with the greatest tolerance')
-    findings['best_tolerance'] = Finding(peaks[best], 'rad', 'that tolerance')
-    findings['last_tolerance'] = Finding(peaks[-1], 'rad', 'greatest tolerance, last panel')
+    findings['best_tolerance'] = Finding(math.degrees(peaks[best]), 'deg', 'that tolerance')
+    findings['last_tolerance'] = Finding(math.degrees(peaks[-1]), 'deg',
+                                         'greatest tolerance, last panel')
+    findings['difference_deg'] = Finding(math.degrees(findings['difference'].value), 'deg',
+                                         'largest difference of a simulated tolerance')
     return Outcome(tables, findings)
 
 
@@ -61,9 +65,10 @@ def compute_centers(values: Values, run_jobs: RunJobs) -> Outcome:
     tables, findings, _ = stable_regions.compute(panels, values, run_jobs)
     table = tables['map']
     rear_rows = [panel.rows(table) & np.equal(table['face'], REAR_FACE) for panel in panels]
-    lengths = [stable_length(table, rows) for rows in rear_rows]
+    sampled = [stable_length(table, rows) for rows in rear_rows]
     tolerances = [float(table['tolerance_rad'][rows].max()) for rows in rear_rows]
     distances = [0.5 * values.box_length + x for x, _ in values.friction_centers]
+    lengths = [_stable_length(values, distance) for distance in distances]
     for name, index in (('start', 0), ('widest', int(np.argmax(lengths))),
                         ('nearest', int(np.argmin(distances)))):
         where = f'rear face, {name} panel'
@@ -71,9 +76,23 @@ def compute_centers(values: Values, run_jobs: RunJobs) -> Outcome:
                                                f'centre of friction from the {where}')
         findings[f'{name}_length'] = Finding(lengths[index], 'm',
                                              f'length of the stable part of the {where}')
-        findings[f'{name}_tolerance'] = Finding(tolerances[index], 'rad',
+        findings[f'{name}_sampled'] = Finding(sampled[index], 'm', 'the same, sum of the stable '
+                                              'sections')
+        findings[f'{name}_tolerance'] = Finding(math.degrees(tolerances[index]), 'deg',
                                                 f'greatest tolerance on the {where}')
     return Outcome(tables, findings)
+
+
+def _stable_length(values: Values, distance: float) -> float:
+    """
+    Compute the length of the stable part of the rear face in closed form [m].
+
+    :param distance: d, of the centre of friction from the face, beside whose middle it is not [m].
+    """
+    radius = 0.5 * values.robot_diameter
+    half = min(math.sqrt(max(0.0, distance * (radius - distance))),
+               distance * values.contact_friction, 0.5 * values.box_width)
+    return 2.0 * half
 
 
 MakePanels = Callable[[Values], list[Panel]]
@@ -97,15 +116,15 @@ STUDIES = (
            compute_diameters, diameter_panels,
            observation='The stable fraction of the perimeter grows from {first:.2f} to '
            '{last:.2f}. The tolerance peaks at a robot of {best_diameter:g} m, at '
-           '{best_tolerance:.2f} rad, and is {last_tolerance:.2f} rad with the largest.',
-           explanation='Simulated tolerances differ by {difference:.3f} rad at most.'),
+           '{best_tolerance:.0f} degrees, and is {last_tolerance:.0f} degrees with the largest.',
+           explanation='Simulated tolerances differ by {difference_deg:.1f} degrees at most.'),
     _study('2.29', 'several centres of friction',
            (Parameter('friction_centers', 'm', 'centre of mass and of friction in each panel, '
                       'from the middle of the box'),
             Parameter('robot_diameter', 'm', 'diameter of the robot')),
            compute_centers, center_panels,
            observation='As the centre of friction nears the rear face, its stable part grows from '
-           '{start_length:.2f} to {widest_length:.2f} m, then shrinks to {nearest_length:.2f} m. '
-           'The tolerance falls from {start_tolerance:.2f} to {nearest_tolerance:.2f} rad.',
+           '{start_length:.3f} to {widest_length:.3f} m, then shrinks to {nearest_length:.3f} m. '
+           'The tolerance falls from {start_tolerance:.0f} to {nearest_tolerance:.0f} degrees.',
            explanation='Half of the stable part is sqrt(d (R - d)) by stability, d mu_c by the '
            'cone, d the distance from the face.'))

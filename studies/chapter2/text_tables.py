@@ -4,8 +4,9 @@ from typing import Sequence
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from push_model.parameters import GRAVITY, plate_inertia
 from studies.framework import plot_style
-from studies.framework.box import BOX
+from studies.framework.box import BOX, rectangle
 from studies.framework.parameters import Parameter, Values
 from studies.framework.study import Finding, Outcome, RunJobs, Study
 
@@ -27,12 +28,13 @@ NOTATION = (
     ('$m, I$', 'mass, moment of inertia about the mass centre G', 'kg, kg m²', DYNAMIC),
     ('$r_G$', 'from the contact to the mass centre', 'm', DYNAMIC),
     ("$\\omega'$", 'yaw acceleration', 'rad/s²', DYNAMIC),
-    ('$F_C$', 'force of the robot on the object, $m a_G - \\sum f_i$', 'N', DYNAMIC),
+    ('$F_C$', 'force of the robot on the object, $m a_G - \\sum f_i$', 'N', BOTH),
     ('$r$', 'distance from C to F', 'm', QUASI_STATIC),
     ('$c^2$', 'mean square of the support points along the push', 'm²', QUASI_STATIC),
     ('$L$', 'wheelbase, $(r^2 + c^2) / r$', 'm', QUASI_STATIC),
     ('$z$', 'flat output point, which never moves sideways', 'm', QUASI_STATIC))
-DEFAULTS = (*BOX, Parameter('robot_radius', 'm', 'radius of the robot of case study 3'))
+DEFAULTS = (*BOX, Parameter('robot_radius', 'm', 'radius of the robot of case study 3'),
+            Parameter('speed', 'm/s', 'speed of the push of case study 3'))
 # Chosen: places of the columns, as a fraction of the width.
 COLUMNS = (0.0, 0.19, 0.68, 0.84)
 
@@ -50,6 +52,11 @@ def compute_defaults(values: Values, _: RunJobs) -> Outcome:
     """List the values."""
     rows = [(value.parameter.name, value.parameter.meaning, f'{value.value:g}',
              value.parameter.unit or '1') for value in values]
+    outline = rectangle(values.box_length, values.box_width)
+    rows += [('inertia', 'moment of inertia of the box, uniform plate',
+              f'{plate_inertia(values.mass, outline):.3g}', 'kg m^2'),
+             ('supports', 'support points of the box, one at each corner', '4', '1'),
+             ('gravity', 'acceleration by gravity', f'{GRAVITY:g}', 'm/s^2')]
     names = ('name', 'meaning', 'value', 'unit')
     return Outcome({'defaults': dict(zip(names, map(list, zip(*rows))))}, {
         'count': Finding(len(rows), '', 'number of parameters')})
@@ -83,4 +90,4 @@ STUDIES = (
           '[nomenclature](nomenclature.md).', (7.6, 5.4)),
     Study('T2.2', 'Default physical parameters', DEFAULTS, compute_defaults, draw,
           'The {count:.0f} values that hold where a figure states no others.',
-          'They are household values; those of the thesis were not at hand.', (7.6, 2.6)))
+          'They are household values; those of the thesis were not at hand.', (7.6, 3.4)))

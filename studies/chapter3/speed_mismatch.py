@@ -91,6 +91,7 @@ STUDIES = (Study(
      Parameter('planned_speed', 'm/s', 'speed that the input was planned for'),
      Parameter('slow_speed', 'm/s', 'a very low speed, for comparison')),
     compute, draw,
-    'Faster than planned the box rotates less and misses by {next:.2f} to {fastest:.2f} m, very '
-    'slowly by {slow:.3f} m.',
-    'The miss grows with the power {power:.1f} of the speed.', (6.4, 5.6)),)
+    'Faster than planned the box rotates less and misses by {next:.2f} to {fastest:.2f} m; as '
+    'slowly as possible it misses by {slow:.3f} m.',
+    'The miss grows with the power {power:.1f} of what the squared speed exceeds that of the plan '
+    'by.', (6.4, 5.6)),)

@@ -7,7 +7,7 @@ import numpy as np
 from push_model.geometry import Pose
 from studies.chapter3.setup import draw_center, draw_outlines, GOAL, POSE_COLUMNS
 from studies.chapter4.repeated_push import (
-    COLUMNS, median_findings, median_interval, repeat, RepeatedPush,
+    COLUMNS, CONFIDENCE, median_findings, median_interval, repeat, RepeatedPush,
 )
 from studies.chapter4.setup import (
     draw_angle, ExecutedPush, FEEDBACK, LABELS, Law, MPC, OBJECT_FRAME, OPEN_LOOP, push, SETUP,
@@ -134,9 +134,11 @@ def draw_ends(axes: Axes, table: Table, laws: tuple[Law, ...]) -> None:
     :param table: of ``repeat``.
     :param laws: from the top to the bottom.
     """
+    confidences: list[float] = []
     for row, law in enumerate(reversed(laws)):
         errors = CENTIMETRES * table[f'{law}_{COLUMNS[0]}']
-        median, low, high = median_interval(errors)
+        median, low, high, confidence = median_interval(errors)
+        confidences.append(min(confidence, CONFIDENCE))
         color = STYLES[law]['color']
         axes.plot(errors, np.full(len(errors), row - 0.12), 'o', color=color, fillstyle='none',
                   markersize=3.5, markeredgewidth=0.8)
@@ -150,7 +152,8 @@ def draw_ends(axes: Axes, table: Table, laws: tuple[Law, ...]) -> None:
     axes.xaxis.set_major_locator(LogLocator(subs=subs))
     axes.xaxis.set_major_formatter('{x:g}')
     axes.xaxis.set_minor_formatter(NullFormatter())
-    axes.set_xlabel('distance from the goal [cm]; bars: median and its 95 % interval')
+    axes.set_xlabel('distance from the goal [cm]; bars: median and its '
+                    f'{100.0 * min(confidences):.3g} % interval')
 
 
 STUDIES = (

@@ -102,16 +102,19 @@ def repeat(repeated: RepeatedPush, laws: Sequence[Law], count: int, run_jobs: Ru
 
 class MedianInterval(NamedTuple):
     """
-    A median, and the interval that covers it with the probability ``CONFIDENCE``.
+    A median, and an interval that covers that of the population.
 
     :param median: of the sample.
     :param low: lower end.
     :param high: upper end.
+    :param confidence: probability of covering: ``CONFIDENCE`` or more, less only of fewer than
+        six samples.
     """
 
     median: float
     low: float
     high: float
+    confidence: float
 
 
 def median_interval(sample: FloatArray) -> MedianInterval:
@@ -122,10 +125,13 @@ def median_interval(sample: FloatArray) -> MedianInterval:
     :return: median and interval; the whole range of samples of fewer than six.
     """
     # Ranks between which a binomial variable with probability 1/2 lies.
-    low, high = binom.interval(CONFIDENCE, len(sample), 0.5)
+    ranks = binom.interval(CONFIDENCE, len(sample), 0.5)
+    low, high = max(0, int(ranks[0]) - 1), min(len(sample) - 1, int(ranks[1]))
     ranked = np.sort(sample)
-    return MedianInterval(float(np.median(sample)), float(ranked[max(0, int(low) - 1)]),
-                          float(ranked[min(len(sample) - 1, int(high))]))
+    # So many of the samples are below the median: more than those before low, at most high.
+    confidence = float(np.diff(binom.cdf([low, high], len(sample), 0.5))[0])
+    return MedianInterval(float(np.median(sample)), float(ranked[low]), float(ranked[high]),
+                          confidence)
 
 
 def median_findings(name: str, sample: FloatArray, unit: str,

@@ -99,6 +99,7 @@ STUDIES = (Study(
     '2.20', 'Box pushed at a corner: the motion',
     (*SHAPE, MASS, FRICTION, Parameter('speed', 'm/s', 'speed of the contact'),
      Parameter('duration', 's', 'time that is drawn')), compute, draw,
-    'In the same time the box rotates by {rotation_quasi_static:.2f} rad without inertia (left), '
-    'by {rotation_dynamic:.2f} rad with it (right).',
+    'The box moves already and does not rotate at first. In the same time it rotates by '
+    '{rotation_quasi_static:.2f} rad without inertia (left), by {rotation_dynamic:.2f} rad with '
+    'it (right).',
     'The circles have radii of {radius_quasi_static:.2f} m and {radius_dynamic:.2f} m.'),)

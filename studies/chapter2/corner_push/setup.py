@@ -5,7 +5,7 @@ from typing import Sequence
 
 from matplotlib.axes import Axes
 import numpy as np
-from push_model.dynamics import State
+from push_model.dynamics import impulse, ObjectTerms, State
 from push_model.geometry import FloatArray
 from push_model.parameters import PushedObject, Support
 from studies.analysis.steady_turn import FIXED, steady_yaw_rate
@@ -81,18 +81,33 @@ def steady_yaw_rates(obj: PushedObject, direction: float,
                      for speed in speeds])
 
 
-def integrated_push(obj: PushedObject, direction: float, speed: float,
-                    times: FloatArray | Sequence[float]) -> FloatArray:
+def met_yaw_rate(obj: PushedObject, direction: float, speed: float) -> float:
     """
-    Integrate the push of a box that moves at the speed from the start, with yaw rate 0.
+    Compute the yaw rate of a box at rest that is met at the speed: by the impulse at the corner.
+
+    :param obj: the object, pushed at vertex 0.
+    :param direction: of the push in the object frame [rad].
+    :param speed: of the contact [m/s].
+    :return: yaw rate [rad/s].
+    """
+    start = State(0.0, 0.0, 0.0, 0.0, direction, *obj.outline[0])
+    return float(impulse(ObjectTerms.of(obj), start, speed * math.cos(direction),
+                         speed * math.sin(direction))[0])
+
+
+def integrated_push(obj: PushedObject, direction: float, speed: float,
+                    times: FloatArray | Sequence[float], yaw_rate: float = 0.0) -> FloatArray:
+    """
+    Integrate the push of a box whose corner moves at the speed from the start.
 
     :param obj: the object, pushed at vertex 0.
     :param direction: of the push in the object frame [rad].
     :param speed: of the contact [m/s].
     :param times: where to sample [s], shape (n,).
+    :param yaw_rate: at the start: 0, or ``met_yaw_rate`` of a box at rest [rad/s].
     :return: states in the order of ``push_model.dynamics.STATE``, shape (n, 7).
     """
-    start = State(0.0, 0.0, 0.0, 0.0, direction, *obj.outline[0])
+    start = State(0.0, 0.0, 0.0, yaw_rate, direction, *obj.outline[0])
     return integrate(obj, FIXED, body_fixed_push(direction, speed), start, times)[1]
 
 

@@ -209,13 +209,14 @@ def _study(figure: str, subject: str, parameters: tuple[Parameter, ...],
 STUDIES = (
     _study('2.21', 'of light and heavy boxes', (*MASSES, INERTIA, FRICTION), boxes_by_mass,
            'The steady rate is the same for all masses. The heaviest box needs {force_ratio:.0f} '
-           'times the force of the lightest, and {last_rise:.2f} s in place of {first_rise:.2f} '
-           's.',
+           'times the force of the lightest. From a box that moves already and does not rotate '
+           'it takes {last_rise:.2f} s in place of {first_rise:.2f} s.',
            'Friction and inertia force both grow with the mass.'),
     _study('2.23', 'and friction on the floor', (MASS, FRICTIONS), boxes_by_friction,
            'The rates of slow pushes coincide; those of fast ones differ by up to {spread:.0%}.',
            'Friction rotates the box against the inertia force.', is_shared=False),
     _study('2.24', 'and moment of inertia', (MASS, INERTIAS, FRICTION), boxes_by_inertia,
            'The steady rate does not depend on the moment of inertia; the time to reach it does '
-           '({first_rise:.2f} to {last_rise:.2f} s at most).',
+           '({first_rise:.2f} to {last_rise:.2f} s at most, from a box that moves already and '
+           'does not rotate).',
            'In a steady turn the angular acceleration is 0.'))

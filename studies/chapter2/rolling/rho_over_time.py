@@ -45,12 +45,14 @@ def compute(values: Values, _: RunJobs) -> Outcome:
                               np.linspace(0.0, values.duration, SAMPLES))
     rho = -states[:, STATE_GAMMA]
     linear_rho = middle.rho + values.initial_deviation * free_response(linear, times)
-    swing = _swing(times, rho - middle.rho, values.initial_deviation)
+    swing, linear_swing = (_swing(times, angles - middle.rho, values.initial_deviation)
+                           for angles in (rho, linear_rho))
     needed = _needed_friction(obj, location, states, push(0.0, start))
     return Outcome({'rho': {'time_s': times, 'rho_rad': rho, 'linear_rho_rad': linear_rho}}, {
         'rest': Finding(middle.rho, 'rad', 'pushing angle at the equilibrium'),
         'overshoot': Finding(swing.overshoot, '', 'overshoot as a fraction of the initial '
                              'deviation'),
+        'linear_overshoot': Finding(linear_swing.overshoot, '', 'the same, linearized'),
         'frequency': Finding(swing.frequency, 'rad/s', 'frequency by the first two passages '
                              'through the equilibrium, 0 where there are none'),
         'speed': Finding(values.speed, 'm/s', 'speed of the push'),
@@ -147,7 +149,7 @@ def _observation(findings: Mapping[str, float]) -> str:
     if findings['overshoot'] < MIN_OVERSHOOT:
         return 'Rho decays to its equilibrium, {rest:.2f} rad, without overshoot.'
     return ('Rho overshoots its equilibrium ({rest:.2f} rad) by {overshoot:.2f} of the initial '
-            'deviation (dashed: linearized).')
+            'deviation; linearized (dashed) by {linear_overshoot:.2f} only.')
 
 
 def _explanation(findings: Mapping[str, float]) -> str:

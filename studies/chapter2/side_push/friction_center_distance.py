@@ -33,7 +33,7 @@ def starts(values: Values) -> dict[str, Start]:
     :return: starts by name.
     """
     return {UNDISTURBED: Start(0.0, values.lateral_offset),
-            DISTURBED: Start(values.initial_rotation, 0.0)}
+            DISTURBED: Start(values.initial_rotation, values.lateral_offset)}
 
 
 def compute(values: Values, _: RunJobs) -> Outcome:

@@ -126,6 +126,6 @@ STUDIES = (Study(
     (BOX_LENGTH, BOX_WIDTH, MASS, FRICTION,
      Parameter('friction_right', '', 'friction of the support points on the right')),
     compute, draw,
-    'The right support points are rougher. With the centre of mass G {shift:.3f} m left of the '
-    'middle, all four bear the same friction.',
+    'The box faces right: its right side is below. The right support points are rougher. With the '
+    'centre of mass G {shift:.3f} m left of the middle, all four bear the same friction.',
     'With G in the middle, F would lie {unbalanced:.3f} m to the right.', (8.4, 4.4)),)

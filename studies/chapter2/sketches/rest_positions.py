@@ -145,8 +145,8 @@ def _draw_position(axes: Axes, now: PushInstant) -> None:
 STUDIES = (
     Study('2.2', 'A sliding object in its initial state', PARAMETERS, compute_initial,
           draw_initial,
-          'The robot meets a rotated box: rho is {rho:.0f} degrees, alpha {alpha:.0f} degrees, '
-          'the yaw acceleration {yaw_acceleration:.1f} rad/s^2.',
+          'The box moves with the robot and does not rotate yet: rho is {rho:.0f} degrees, '
+          'alpha {alpha:.0f} degrees, the yaw acceleration {yaw_acceleration:.1f} rad/s^2.',
           'Friction at F rotates the box clockwise.', (6.4, 4.2)),
     Study('2.3', 'A pushing system: (a) initial, (b) intermediate and (c) rest position',
           PARAMETERS, compute, draw,

@@ -155,6 +155,9 @@ def test_the_interval_of_a_median_covers_it_in_most_samples():
     hits = [one.low <= 0.0 <= one.high for one in
             (median_interval(draws.standard_normal(40)) for _ in range(200))]
     assert 0.92 < np.mean(hits) <= 1.0
+    # Both ends of the range of four: the median is beside them with 2 (1 / 2)^4.
+    assert median_interval(np.arange(4.0)).confidence == pytest.approx(0.875)
+    assert median_interval(np.arange(40.0)).confidence >= 0.95
 
 
 def test_other_objects_are_steered_better_than_open_loop():
