@@ -68,9 +68,9 @@ MUTANTS = (
     _perception('faults of odometry leave the robot known', 'lost_robot',
                 'return InflateRobot(stds) if self._estimate.position_deviation < stds[0] else '
                 'None', 'return None'),
-    _steered('outliers count', 'estimator',
-             'is_accepted, is_possible = self._correct(innovation, noise), False',
-             'is_accepted, is_possible = self._correct(innovation, noise), True'),
+    _steered('rejected poses are forgotten', 'estimator',
+             'if not is_accepted:\n            self.rejected_poses += 1',
+             'if False:\n            self.rejected_poses += 1'),
     _steered('an object that was moved is not followed', 'estimator',
              'if is_possible and len(self._rejected) == AGREEING_COUNT:', 'if False:'),
     _steered('what poses say against odometry is not added up', 'estimator',
