@@ -38,10 +38,9 @@ def footprint_clearance(distances: Any, cells_per_metre: float, footprint: Any, 
     side = 1.0 / cells_per_metre
     rows, columns = distances.shape[0] - 2, distances.shape[1] - 2
     box = _bounds(vertices, pose)
-    edge = min(box[0], columns * side - box[1], box[2], rows * side - box[3])
-    if edge < radius and edge <= 0.0 and edge - radius <= enough:
-        return edge - radius
-    least = min(enough + radius, edge)
+    least = min(enough + radius, box[0], columns * side - box[1], box[2], rows * side - box[3])
+    if least < radius and least <= 0.0:
+        return least - radius
     around = max(0.0, least)
     first = max(0, int(math.floor((box[0] - around) * cells_per_metre)))
     last = min(columns - 1, int(math.floor((box[1] + around) * cells_per_metre)))

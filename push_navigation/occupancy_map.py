@@ -194,7 +194,8 @@ class OccupancyMap:
         :param margin: distance [m].
         :return: shape (n,).
         """
-        clearances = self.object_clearances(obj, poses, margin)
+        # How far an overlap goes has to be measured where one is allowed.
+        clearances = self.object_clearances(obj, poses, max(0.0, margin))
         return clearances < margin - TOUCHING
 
     def object_clearance(self, obj: PushedObject, poses: ArrayLike) -> float:
