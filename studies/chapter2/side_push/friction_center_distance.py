@@ -15,7 +15,7 @@ from studies.framework.study import Finding, Outcome, RunJobs, Study, Table
 
 PARAMETERS = (Parameter('distances', 'm', 'centre of friction ahead of the contact',
                         [0.05, 0.1, 0.15, 0.2]),
-              Parameter('lateral_offset', 'm', 'undisturbed start: robot to the left of the '
+              Parameter('lateral_offset', 'm', 'both starts: robot to the left of the '
                         'centre line of the box'),
               Parameter('initial_rotation', 'rad', 'disturbed start: rotation of the box, rolled '
                         'on the robot'),
