@@ -6,6 +6,9 @@ from push_model.base_knowledge import BaseKnowledge
 from push_model.events import EventReport
 from push_model.signals import ObjectPose, Odometry, RobotPlace
 
+# Times of an observation [s]: now, of odometry, of the object pose and of the place.
+Stamps = tuple[float, float, Optional[float], Optional[float]]
+
 
 class Observation(NamedTuple):
     """
@@ -27,8 +30,8 @@ class Observation(NamedTuple):
     place: Optional[RobotPlace] = None
 
     @property
-    def stamps(self) -> tuple[float, float, Optional[float], Optional[float]]:
-        """Times that tell two observations apart: now, of odometry, object pose and place [s]."""
+    def stamps(self) -> Stamps:
+        """``Stamps``, which tell two observations apart."""
         pose_time = None if self.object_pose is None else self.object_pose.time
         place_time = None if self.place is None else self.place.time
         return self.time, self.odometry.time, pose_time, place_time

@@ -120,16 +120,16 @@ def pair(one: str, other: str, mu: float, margin: float, *, solref: SolverParame
             f' solimp="{xml(*impedance, 1e-3, 0.5, 2)}" margin="{margin}"/>')
 
 
-def wall_geom(name: str, wall: Wall, center: Coordinates) -> str:
+def wall_geom(name: str, wall: Wall, origin: Coordinates) -> str:
     """
     Write a wall: a block with one face on the segment, behind it.
 
-    :param center: (x, y) of the object, which tells the side [m].
+    :param origin: (x, y) of the object, which tells the side [m].
     """
     length = math.hypot(wall.end_x - wall.start_x, wall.end_y - wall.start_y)
     angle = math.atan2(wall.end_y - wall.start_y, wall.end_x - wall.start_x)
     frame = Pose(wall.start_x, wall.start_y, angle)
-    side = math.copysign(WALL_THICKNESS / 2, frame.inverse().transform(center[:2])[1])
+    side = math.copysign(WALL_THICKNESS / 2, frame.inverse().transform(origin[:2])[1])
     x, y = frame.transform((length / 2, -side))
     return (f'<geom name="{name}" type="box" pos="{xml(x, y, WALL_HEIGHT / 2)}" '
             f'euler="{xml(0, 0, math.degrees(angle))}" '
@@ -137,13 +137,13 @@ def wall_geom(name: str, wall: Wall, center: Coordinates) -> str:
 
 
 def scene_xml(obj: PushedObject, robot: RoundRobot, engine: Engine, room: Room = Room(),
-              center: Coordinates = (0.0, 0.0)) -> str:
+              origin: Coordinates = (0.0, 0.0)) -> str:
     """
     Write the scene; only the pairs named in it touch.
 
-    :param center: (x, y) of the object at first [m].
+    :param origin: (x, y) of the object at first [m].
     """
-    walls = ''.join(wall_geom(f'wall{i}', wall, center) for i, wall in enumerate(room.walls))
+    walls = ''.join(wall_geom(f'wall{i}', wall, origin) for i, wall in enumerate(room.walls))
     feet = ''.join(f'<geom name="foot{i}" type="sphere" size="{FOOT_RADIUS}" '
                    f'pos="{xml(foot.x, foot.y, FOOT_RADIUS)}"/>'
                    for i, foot in enumerate(obj.supports))

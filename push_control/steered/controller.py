@@ -15,7 +15,7 @@ from push_control.steered.open_loop import OpenLoopPush
 from push_control.steered.start import start_fault
 from push_control.steered.status import ControllerStatus, Phase
 from push_model.events import EventReport, PushEvent
-from push_model.observation import Observation
+from push_model.observation import Observation, Stamps
 from push_model.optional import is_casadi_installed
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import STOP, Twist
@@ -41,7 +41,7 @@ class _State(NamedTuple):
 class _Answer(NamedTuple):
     """The last command, and the times of the measurements that it answers."""
 
-    stamps: tuple[float, float, float | None] | None = None
+    stamps: Stamps | None = None
     command: Twist = STOP
 
 

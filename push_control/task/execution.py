@@ -27,7 +27,7 @@ from push_control.task.stand_reasons import StandCause, StandReason, StandReason
 from push_control.task.state_machine import TaskStateMachine, Transitions
 from push_control.task.status import StateChange, SupervisorStatus, TaskState
 from push_model.events import AnyReport, codes, sentence
-from push_model.observation import Observation
+from push_model.observation import Observation, Stamps
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectEstimate, STOP, Twist
 from push_model.trajectory import PushTrajectory
@@ -44,7 +44,7 @@ TOO_WEAK = (BehaviorFailure.WHEELS_SPIN, BehaviorFailure.OBJECT_UNYIELDING,
 class _Answer(NamedTuple):
     """The last command, the times of the measurements that it answers, and whose it is."""
 
-    stamps: tuple[float, float, float | None, float | None] | None = None
+    stamps: Stamps | None = None
     command: Twist = STOP
     behavior: Behavior[Any] | None = None
 

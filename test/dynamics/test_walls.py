@@ -195,7 +195,7 @@ def test_a_joint_of_walls_is_no_corner():
 
 
 def test_an_edge_rests_at_the_corner_of_a_wall():
-    """In front of the middle it stops the box; beside it the box turns, out of its friction cone."""
+    """In front of the middle it stops the box; beside it, the box turns out of its cone."""
     for offset in (0.0, 0.08):
         plant = Plant(box(), ROBOT, Pose(0.0, 0.0, 0.0), Pose(-0.4, 0.0, 0.0),
                       walls=[Wall(0.4, offset, 1.0, offset)], wall_friction=0.1)
