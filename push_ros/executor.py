@@ -53,9 +53,12 @@ ENDING_TIME = 2.0
 INTERRUPT_DELAY = 0.5
 # Time after which an interrupt that could not be passed on is repeated [s]; chosen.
 REPEAT_TIME = 0.01
-# Signals that end a node: all that would end its process, and can be noticed.
-ENDING_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT, signal.SIGUSR1,
-                  signal.SIGUSR2)
+# Signals that ask a node to end. They do so also where its parent ignores them, as a shell without
+# job control ignores SIGINT for what it starts in the background.
+ASKING_SIGNALS = (signal.SIGINT, signal.SIGTERM)
+# Signals that end a node: all that would end its process, and can be noticed. Others than those
+# that ask are ignored where the parent ignores them, as nohup does.
+ENDING_SIGNALS = (*ASKING_SIGNALS, signal.SIGHUP, signal.SIGQUIT, signal.SIGUSR1, signal.SIGUSR2)
 # Words that ask for help, and what is said before the contract of a node, in its docstring.
 HELP = frozenset(('-h', '--help'))
 USAGE = ('usage: --ros-args [--params-file FILE] [-p PARAMETER:=VALUE] [-r TOPIC:=OTHER]; '
@@ -345,7 +348,8 @@ class _StopSignal:
         self._is_armed = False
         self._previous_handlers = {signum: signal.signal(signum, self._remember)
                                    for signum in ENDING_SIGNALS
-                                   if signal.getsignal(signum) is not signal.SIG_IGN}
+                                   if signum in ASKING_SIGNALS
+                                   or signal.getsignal(signum) is not signal.SIG_IGN}
         self._previous_handlers[signal.SIGALRM] = signal.signal(signal.SIGALRM, self._interrupt)
         self._previous_hook, sys.unraisablehook = sys.unraisablehook, self._repeat
 

@@ -9,7 +9,9 @@ import sys
 import time
 
 from helpers.architecture import ROOT
-from push_ros.executor import BAD_PARAMETER, INTERRUPT_DELAY, MessageWaiter, run, take_message
+from push_ros.executor import (
+    BAD_PARAMETER, ENDING_TIME, INTERRUPT_DELAY, MessageWaiter, run, take_message,
+)
 from push_ros.qos import LATCHED
 from push_scenario.dds.private_network import private_domain
 import pytest
@@ -91,6 +93,22 @@ def test_a_signal_interrupts_a_callback_that_takes_long(numbers):
         assert (process.returncode, printed) == (0, 'closed\n')
     finally:
         process.kill()
+
+
+def test_a_node_in_the_background_of_a_script_ends_when_it_is_asked_to() -> None:
+    """A shell ignores SIGINT for it, and nohup SIGHUP, which does not end it."""
+    command = ['sh', '-c', 'trap "" INT HUP; exec "$0" -c "$1"', sys.executable, SCRIPT]
+    with subprocess.Popen(command, stdin=subprocess.DEVNULL, text=True, stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT) as process:
+        try:
+            assert process.stdout is not None and process.stdout.readline() == 'works\n'
+            process.send_signal(signal.SIGHUP)
+            with pytest.raises(subprocess.TimeoutExpired):
+                process.wait(1.5 * ENDING_TIME)
+            process.send_signal(signal.SIGINT)
+            assert (process.communicate(timeout=TIMEOUT)[0], process.returncode) == ('closed\n', 0)
+        finally:
+            process.kill()
 
 
 def test_an_interrupt_of_source_from_a_text_ends_well(tmp_path: Path) -> None:
