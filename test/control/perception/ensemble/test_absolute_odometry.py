@@ -12,7 +12,7 @@ from push_control.task.supervisor import Supervisor
 from push_model.geometry import Pose
 from push_model.observation import Observation
 from push_model.parameters import RoundRobot
-from push_model.plan_request import PlanRequest
+from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.signals import ObjectPose, Odometry, PoseCovariance, STOP, Twist
 from push_navigation.settings import DriveSettings
 from push_planner.problem import PlanningFailed
@@ -100,6 +100,7 @@ def test_a_robot_that_knows_its_place_gets_through_a_door_far_away():
     plan = plan_push_in_map(requested('absolute', has_covariance=True), ROBOT, PlannerSettings(),
                             DriveSettings(), floor)
     assert plan.first.approach_path.length > 7.0
-    with pytest.raises(PlanningFailed, match='too uncertain'):
+    with pytest.raises(PlanningFailed) as refusal:
         plan_push_in_map(requested('absolute', has_covariance=False), ROBOT, PlannerSettings(),
                          DriveSettings(), floor)
+    assert refusal.value.code is PlanFailure.UNCERTAIN_POSITION
