@@ -117,7 +117,7 @@ class MutantTester:
         return self._durations[tests]
 
     def _run(self, tests: str, limit: float | None) -> Run:
-        environment = {**os.environ, 'PYTHONPATH': str(self._copy),
+        environment = {**os.environ, 'PYTEST_ADDOPTS': '', 'PYTHONPATH': str(self._copy),
                        'PYTHONDONTWRITEBYTECODE': '1'}
         start = time.monotonic()
         # In a group of its own: tests start processes, which have to end with them.

@@ -13,7 +13,7 @@ from push_model.parameters import RoundRobot
 from push_primitives import store, value_iteration
 from push_primitives.selection import (
     estimate_travel_times, interpolate_displacements, MIN_CONTACT_TIME, push_costs, select_push,
-    SelectionQuery,
+    SelectionQuery, UNREACHED_STARTS,
 )
 from push_primitives.weights import FrictionBelief, sample_weights
 import pytest
@@ -87,7 +87,7 @@ def test_the_expectation_is_that_of_plain_numpy(primitives):
 
 
 def test_starts_without_a_path_are_left_out(primitives):
-    """Reachable places are found however few they are; none is an answer too."""
+    """Where few are reachable, one of these or none is the answer."""
     asked = query(GOALS[1])
     assert select_push(primitives, asked, lambda start: math.inf) is None
     only = tuple(primitives.table.starts[100].tolist())
@@ -95,6 +95,17 @@ def test_starts_without_a_path_are_left_out(primitives):
                            lambda start: 3.0 if tuple(start) == only else math.inf)
     if selected is not None:
         assert tuple(primitives.table.starts[selected.primitive].tolist()) == only
+
+
+def test_a_robot_that_gets_nowhere_asks_for_few_paths(primitives):
+    """What is in its way is in the way to all; each path takes a while."""
+    asked, tried = query(GOALS[1]), []
+
+    def blocked(start):
+        tried.append(start)
+        return math.inf
+    assert select_push(primitives, asked, blocked) is None
+    assert len(tried) == UNREACHED_STARTS < len(primitives.table.starts)
 
 
 def test_the_same_query_has_the_same_answer(primitives):

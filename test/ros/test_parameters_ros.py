@@ -96,7 +96,7 @@ def test_the_nodes_of_a_replay_get_its_scenario(tmp_path, name):
     case = place_robot(load_scenario(name))
     files = write_parameter_files(tmp_path, case, case.control, tmp_path / 'tape.csv',
                                   real_time=False, stamped=True)
-    expected = {SIM: [case.true_object, case.true_robot, case.sensors, case.simulation],
+    expected = {SIM: [case.true_object, case.true_robot, case.sensors, case.plant_settings],
                 PLANNER: [case.object, case.robot],
                 CONTROLLER: [case.object, case.robot, case.control]}
     if case.task is None:

@@ -32,7 +32,9 @@ def result_of(name, law='feedback'):
     return simulate(load_scenario(name), law, planning_time=0.0)
 
 
-@pytest.mark.parametrize('name', [name for name in scenario_names() if name.startswith('task_')])
+# The task by a lidar is run over DDS.
+@pytest.mark.parametrize('name', [name for name in scenario_names()
+                                  if name.startswith('task_') and name != 'task_lidar'])
 def test_every_task_ends_as_expected(name):
     """Both stand; where the task is done the object is at its goal, the robot clear of it."""
     result = result_of(name)
