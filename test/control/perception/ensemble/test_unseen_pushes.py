@@ -29,7 +29,9 @@ class Pusher:
         self.ensemble = PushEnsemble(box(), ROBOT, CONTROL, noise)
         self.creep, self.is_relative = creep, is_relative
         self.time, self.odometry = 0.0, TOUCH - 0.05
-        self.robot, self.box, self.turned = self.odometry, 0.0, 0.0
+        self.robot = self.odometry
+        self.box = 0.0
+        self.turned = 0.0
         self.see()
 
     def see(self):
