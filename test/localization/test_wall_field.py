@@ -29,6 +29,24 @@ def test_a_wall_that_lies_deeper_is_farther():
     assert np.allclose(deeper, np.minimum(exact + 0.25 * RESOLUTION, MAX_DISTANCE), atol=1e-6)
 
 
+def test_distances_are_those_of_the_nearest_cells_wherever_they_are_asked_for_first():
+    """Compared cell by cell, in a map of several tiles, for walls that lie across their edges."""
+    rng = np.random.default_rng(3)
+    cells = rng.random((150, 210)) < 0.003
+    cells[80:97, 60:190] = True
+    rows, columns = (rng.integers(0, size, 400) for size in cells.shape)
+    centers = np.column_stack([columns, rows])
+    walls, free = (np.argwhere(cells == value)[:, ::-1] for value in (True, False))
+    to_wall, to_free = (np.hypot(*(centers[:, None] - others).T).min(axis=0)
+                        for others in (walls, free))
+    expected = RESOLUTION * np.where(cells[rows, columns], 0.5 - to_free, to_wall - 0.5)
+    field = field_of(cells)
+    for part in np.array_split(np.arange(len(centers)), 40):
+        distances = field.sample(RESOLUTION * (centers[part] + 0.5)).distances
+        assert np.allclose(distances, np.clip(expected[part], -MAX_DISTANCE, MAX_DISTANCE),
+                           atol=1e-6)
+
+
 def test_gradients_are_those_of_the_distances():
     """Central differences within cells agree, in a map at an angle."""
     field = field_of(CELLS, ORIGIN)
