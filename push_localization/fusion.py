@@ -40,6 +40,24 @@ def fused_covariance(covariance: FloatArray, information: FloatArray) -> FloatAr
     return (axes * factors) @ axes.T
 
 
+def lasting_correction(covariance: FloatArray, information: FloatArray,
+                       correction: FloatArray) -> FloatArray:
+    """
+    Return what a correction by a measurement whose errors last may change.
+
+    Where it knows less than is known (v < 1) that is nothing: again and again the same error would
+    come in, a part of it each time, until all of it has.
+
+    :param covariance: P before it, shape (n, n).
+    :param information: H of the measurement, shape (n, n).
+    :param correction: of the estimate by both, shape (n,).
+    :return: shape (n,).
+    """
+    axes, factors = _directions(covariance, information)
+    parts = np.linalg.solve(axes, correction)
+    return axes @ np.where(factors < 1.0, parts, 0.0)
+
+
 def lasting_noise(covariance: FloatArray, information: FloatArray) -> FloatArray | None:
     """
     Return the covariance of an independent measurement that has the same effect.

@@ -52,6 +52,9 @@ class PlaceSettings:
     covariance_factor: float = quantity("factor of the covariance that another localization's "
                                         'poses state', '', 1.0, 1000.0, is_dynamic=False,
                                         default=3.0)
+    min_heading_std: float = quantity("least std of the heading of another localization's poses, "
+                                      'which are often surer than they may be', 'rad', 0.0, 1.0,
+                                      is_dynamic=False, default=0.01)
 
     def __post_init__(self) -> None:
         """Validate the fields."""

@@ -40,7 +40,7 @@ class WallField:
     """
     Signed distance from the walls of a map.
 
-    ``resolution``: side of a cell [m].
+    ``resolution``: side of a cell [m]. ``origin``: ``Pose`` of the outer corner of the first cell.
     """
 
     def __init__(self, resolution: float, origin: Coordinates, walls: ArrayLike,
@@ -67,6 +67,11 @@ class WallField:
                                      dtype=bool)
         c, s = math.cos(self._origin.theta), math.sin(self._origin.theta)
         self._rotation = np.array([[c, -s], [s, c]])
+
+    @property
+    def origin(self) -> Pose:
+        """``Pose`` in the world of the outer corner of the first cell."""
+        return self._origin
 
     def moved(self, origin: Coordinates) -> 'WallField':
         """

@@ -93,7 +93,7 @@ class Localization(ContactHypotheses):
     @property
     def is_robot_placed(self) -> bool:
         """Tell whether places of the robot in its map come, beside drifting odometry."""
-        return self._received is not None and self._places.is_placed(self._received.time)
+        return self._received is not None and self._places.is_placed
 
     @property
     def is_place_lost(self) -> bool:

@@ -8,12 +8,14 @@ errors last: ``push_localization.fusion`` tells how much it counts.
 import math
 
 import numpy as np
-from push_model.geometry import Pose
+from push_model.geometry import Pose, wrap_angle
 from push_model.odometry_history import OdometryHistory
 from push_model.signals import Odometry, PlaceStatus, PoseCovariance, RobotPlace
 
-# Time after which a place says no more where the robot is [s]; chosen: ten scans, or half a metre
-# of another localization.
+# Length of path and turn after which a place says no more where the robot is [m], [rad]; chosen: twice what
+# AMCL lets pass between two poses. While the robot stands it sends none, and its last one holds.
+MAX_LENGTH, MAX_TURN = 0.5, 0.5
+# Time after which what measures places is no longer known to be lost [s]; chosen: ten scans.
 MAX_AGE = 1.0
 
 
@@ -28,6 +30,9 @@ class PlaceTracker:
         """Start without odometry and places."""
         self._history = OdometryHistory()
         self._newest: RobotPlace | None = None
+        # Length of path and turn of the robot since that.
+        self._length = self._turn = 0.0
+        self._last: Pose | None = None
 
     @property
     def has_place(self) -> bool:
@@ -43,6 +48,11 @@ class PlaceTracker:
         """
         if has_jumped:
             self._history = OdometryHistory()
+        elif self._last is not None:
+            step = self._last.inverse() @ odometry.pose
+            self._length += math.hypot(step.x, step.y)
+            self._turn += abs(wrap_angle(step.theta))
+        self._last = odometry.pose
         self._history.append(odometry)
 
     def at_present(self, place: RobotPlace, odometry: Odometry) -> RobotPlace | None:
@@ -59,20 +69,21 @@ class PlaceTracker:
         before = self._history.pose_at(place.time)
         if before is None:
             return None
-        pose = place.pose @ (before.inverse() @ odometry.pose)
+        since = before.inverse() @ odometry.pose
+        self._length, self._turn = math.hypot(since.x, since.y), abs(wrap_angle(since.theta))
+        pose = place.pose @ since
         jacobian = np.eye(3)
         jacobian[:2, 2] = place.pose.y - pose.y, pose.x - place.pose.x
         covariance = jacobian @ place.covariance.matrix @ jacobian.T
         return place._replace(time=odometry.time, pose=Pose(*pose),
                               covariance=PoseCovariance.from_matrix(covariance))
 
-    def is_placed(self, time: float) -> bool:
-        """
-        Tell whether places come that say where the robot is.
-
-        :param time: now [s].
-        """
-        return self._has_status(time, PlaceStatus.TRACKED, PlaceStatus.REGAINED)
+    @property
+    def is_placed(self) -> bool:
+        """Tell whether the newest place says where the robot is."""
+        newest = self._newest
+        return (newest is not None and newest.status is not PlaceStatus.LOST
+                and self._length <= MAX_LENGTH and self._turn <= MAX_TURN)
 
     def is_lost(self, time: float) -> bool:
         """
@@ -80,9 +91,6 @@ class PlaceTracker:
 
         :param time: now [s].
         """
-        return self._has_status(time, PlaceStatus.LOST)
-
-    def _has_status(self, time: float, *statuses: PlaceStatus) -> bool:
         newest = self._newest
-        age = math.inf if newest is None else time - newest.time
-        return newest is not None and age <= MAX_AGE and newest.status in statuses
+        return (newest is not None and newest.status is PlaceStatus.LOST
+                and time - newest.time <= MAX_AGE)

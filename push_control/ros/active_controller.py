@@ -485,6 +485,9 @@ class ActiveController:
         awaited = self._latest.missing
         if self.pursuit.awaits_map:
             awaited.append('map')
+        # A localization in the map sends nothing while the robot stands.
+        if self._placing.awaits_scan:
+            awaited.append('scan')
         # A planner that is there may take its time.
         if self.pursuit.has_open_request and self._node.count_publishers('push_plan') == 0:
             awaited.append('push_plan')

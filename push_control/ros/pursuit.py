@@ -381,6 +381,7 @@ class GoalPursuit:
         if knowledge is not None and self._memory.is_due(self._supervisor.state):
             self._reporter.warn(self._memory.keep(knowledge), observation)
         self._reporter.warn(self._covariance_check.update(observation.odometry), observation)
+        self._reporter.warn(self._placing.fit_warning(), observation)
         return command
 
     def _clear_footprints(self) -> None:

@@ -1,5 +1,6 @@
 """Place of the robot in the map: by scans of its lidar, or by another localization."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -13,15 +14,21 @@ from push_model.rigid_transform import RigidTransform
 from push_model.signals import LidarScan, ObjectPose, Odometry, RobotPlace
 from push_ros.conversions.lidar import from_place_message, from_scan_message
 from push_ros.conversions.map import map_origin
-from push_ros.conversions.primitives import MessageRefused
+from push_ros.conversions.primitives import MAX_TILT, MessageRefused
 from push_ros.transforms.world import WorldFrame
+
+
+# Mean fit of scans below which they are of another map, or much has changed; measured: 0.67 at
+# least with ten unmapped things about.
+MIN_MEAN_FIT = 0.65
 
 
 class RobotPlacing:
     """
     Reads scans or places, as ``place.source`` says, and finds the robot by scans.
 
-    ``newest``: the newest ``RobotPlace``, or None.
+    ``newest``: the newest ``RobotPlace``, or None. ``awaits_scan``: whether no scan has come that
+    is to place the robot.
     """
 
     def __init__(self, parameters: ControllerParameters, world: WorldFrame) -> None:
@@ -35,13 +42,18 @@ class RobotPlacing:
         self._world_frame = parameters.frames.world_frame
         self._threshold = parameters.map.lethal_cost_threshold
         self._world = world
-        self._field: WallField | None = None
         self._map_std = 0.0
         self._mount = LidarMount(self._settings.mount_pose)
         self._localizer: LidarLocalizer | None = None
         if self._settings.source == 'scan':
             self._localizer = LidarLocalizer(self._settings, parameters.object)
+        self._has_scan = self._has_warned = False
         self.newest: RobotPlace | None = None
+
+    @property
+    def awaits_scan(self) -> bool:
+        """Tell whether scans place the robot, and none has come."""
+        return self._localizer is not None and not self._has_scan
 
     def reset(self) -> None:
         """Forget what was measured; the map stays."""
@@ -68,9 +80,9 @@ class RobotPlacing:
             return
         cells = np.asarray(message.data).reshape(info.height, info.width)
         walls = cells >= self._threshold
-        self._field = WallField(info.resolution, map_origin(message), walls,
-                                self._settings.wall_offset)
-        self._localizer.set_field(self._field)
+        self._has_warned = False
+        self._localizer.set_field(WallField(info.resolution, map_origin(message), walls,
+                                            self._settings.wall_offset))
 
     def set_map_origin(self, origin: Pose) -> None:
         """
@@ -78,11 +90,19 @@ class RobotPlacing:
 
         :param origin: ``Pose`` in the world of the outer corner of its first cell.
         """
-        if self._field is not None and self._localizer is not None:
-            self._field = self._field.moved(origin)
-            self._localizer.set_field(self._field)
+        if self._localizer is not None:
+            self._localizer.move_field(origin)
 
     # Measurements.
+
+    def fit_warning(self) -> str:
+        """Say once that scans hardly fit the map; empty else."""
+        fit = None if self._localizer is None else self._localizer.mean_fit
+        if fit is None or fit >= MIN_MEAN_FIT or self._has_warned:
+            return ''
+        self._has_warned = True
+        return (f'scan: only {fit:.0%} of the beams end at walls of the map, expected '
+                f'{MIN_MEAN_FIT:.0%} at least: is it the map of another place?')
 
     def read_scan(self, message: Any) -> LidarScan:
         """
@@ -93,17 +113,19 @@ class RobotPlacing:
         """
         scan = from_scan_message(message)
         self._mount = self._mount_of(message.header.frame_id)
+        self._has_scan = True
         return scan
 
     def read_place(self, message: Any) -> RobotPlace:
         """
-        Read a place of another localization; it errs by a part of a cell at least.
+        Read a place of another localization; it errs by a part of a cell and of a degree at least.
 
         :param message: ``geometry_msgs/PoseWithCovarianceStamped`` in the world frame.
         :raises MessageRefused: naming what is wrong with it.
         """
-        place = from_place_message(message, self._world_frame, self._settings.covariance_factor)
-        return with_least_deviation(place, self._map_std)
+        settings = self._settings
+        place = from_place_message(message, self._world_frame, settings.covariance_factor)
+        return with_least_deviation(place, self._map_std, settings.min_heading_std)
 
     def update(self, measured: Odometry | ObjectPose | LidarScan | RobotPlace,
                object_pose: ObjectPose | None) -> None:
@@ -142,16 +164,23 @@ def mount_of(transform: RigidTransform) -> LidarMount:
     Return the mounting of a lidar in the plane.
 
     :param transform: pose of the lidar in the frame of the robot.
+    :raises MessageRefused: where its beams do not lie in the plane.
     """
+    tilt = min(transform.tilt, math.pi - transform.tilt)
+    if tilt > MAX_TILT:
+        raise MessageRefused(f'scan: got a lidar whose axis is tilted by {tilt:.2f} rad, expected '
+                             f'one that points up or down (within {MAX_TILT:g} rad)')
     return LidarMount(transform.planar, bool(transform.rotation_matrix[2, 2] < 0.0))
 
 
-def with_least_deviation(place: RobotPlace, deviation: float) -> RobotPlace:
+def with_least_deviation(place: RobotPlace, position: float, heading: float) -> RobotPlace:
     """
-    Return a place whose position errs by a deviation at least, as walls of a map do.
+    Return a place that errs by a deviation at least, as walls of a map do.
 
-    :param deviation: standard deviation of x and of y [m].
+    :param position: standard deviation of x and of y [m].
+    :param heading: the same of the heading [rad].
     """
     covariance = place.covariance
     return place._replace(covariance=covariance._replace(
-        x_x=max(covariance.x_x, deviation ** 2), y_y=max(covariance.y_y, deviation ** 2)))
+        x_x=max(covariance.x_x, position ** 2), y_y=max(covariance.y_y, position ** 2),
+        theta_theta=max(covariance.theta_theta, heading ** 2)))

@@ -18,6 +18,9 @@ from sensor_msgs.msg import LaserScan
 MAX_BEAMS = 36_000
 # Longest time that a scan may take [s]; chosen: the slowest lidars turn five times a second.
 MAX_DURATION = 1.0
+# Beams, and part of all of them, by which the last one may be off the stated angle; chosen:
+# drivers count the beam that closes the turn or do not, and a truncated scan lacks more.
+MAX_EXCESS_BEAMS, MAX_EXCESS_RATIO = 1.5, 0.02
 
 
 def to_scan_message(scan: LidarScan, stamp: Time, frame: str) -> LaserScan:
@@ -49,13 +52,18 @@ def from_scan_message(message: LaserScan, topic: str = 'scan') -> LidarScan:
     count = len(message.ranges)
     if not 1 < count <= MAX_BEAMS:
         raise MessageRefused(f'{topic}.ranges: got {count} beams, expected 2 to {MAX_BEAMS}')
-    for name in ('angle_min', 'angle_increment', 'time_increment', 'range_min', 'range_max'):
+    for name in ('angle_min', 'angle_max', 'angle_increment', 'time_increment', 'range_min',
+                 'range_max'):
         value = getattr(message, name)
         if not math.isfinite(value):
             raise MessageRefused(f'{topic}.{name}: got {value:g}, expected a finite number')
     if message.angle_increment == 0.0 or abs(count * message.angle_increment) > 2.1 * math.pi:
         raise MessageRefused(f'{topic}.angle_increment: got {message.angle_increment:g} for '
                              f'{count} beams, expected at most one turn in all, and not 0 [rad]')
+    stated = (message.angle_max - message.angle_min) / message.angle_increment + 1.0
+    if not abs(stated - count) <= MAX_EXCESS_BEAMS + MAX_EXCESS_RATIO * count:
+        raise MessageRefused(f'{topic}.ranges: got {count} beams, expected {stated:.0f}, as '
+                             'angle_min, angle_max and angle_increment have it')
     if not 0.0 <= count * message.time_increment <= MAX_DURATION:
         raise MessageRefused(f'{topic}.time_increment: got {message.time_increment:g} for {count} '
                              f'beams, expected 0 to {MAX_DURATION:g} s in all')

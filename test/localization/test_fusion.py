@@ -1,7 +1,7 @@
 """Laws of the fusion of measurements whose errors last."""
 
 import numpy as np
-from push_localization.fusion import fused_covariance, lasting_noise
+from push_localization.fusion import fused_covariance, lasting_correction, lasting_noise
 import pytest
 
 RNG = np.random.default_rng(0)
@@ -35,6 +35,20 @@ def test_what_knows_less_changes_nothing(covariance):
     along = fused_covariance(covariance, 1e4 * np.outer(direction, direction))
     assert smallest(covariance - along) > -1e-12
     assert np.linalg.matrix_rank(covariance - along, tol=1e-9) == 1
+
+
+@pytest.mark.parametrize('covariance', COVARIANCES)
+def test_an_estimate_is_corrected_where_it_becomes_surer_only(covariance):
+    """By all of it, or by nothing; a weak measurement that comes again and again moves nothing."""
+    correction = np.array([0.3, -0.2, 0.1])
+    known = np.linalg.inv(covariance)
+    assert np.allclose(lasting_correction(covariance, 2.0 * known, correction), correction)
+    assert np.allclose(lasting_correction(covariance, 0.5 * known, correction), 0.0)
+    direction = np.linalg.cholesky(known)[:, 0]
+    along = lasting_correction(covariance, 9.0 * np.outer(direction, direction), correction)
+    # Of the correction that is what the measurement sees, and it sees nothing of what is left.
+    assert direction @ along == pytest.approx(direction @ correction)
+    assert np.linalg.matrix_rank(np.column_stack([along, covariance @ direction]), tol=1e-9) == 1
 
 
 @pytest.mark.parametrize('covariance', COVARIANCES)

@@ -7,7 +7,7 @@ from helpers.lidar_rooms import (
     cast, EXACT, field_of, RANGE_MAX, room_cells, scan_at, standing,
 )
 import numpy as np
-from push_localization.localizer import LidarLocalizer, MAX_MISFITS
+from push_localization.localizer import FIT_COUNT, LidarLocalizer, MAX_MISFITS
 from push_localization.scan_points import LidarMount
 from push_localization.settings import PlaceSettings
 from push_model.files import data
@@ -120,6 +120,52 @@ def test_an_upside_down_lidar_beside_the_middle_sees_the_same():
     mirrored = scan._replace(ranges=np.roll(scan.ranges[::-1], 1))
     hanging = stand(make_localizer(), mirrored, PLACE, mount=LidarMount(mount, True))
     assert np.abs(errors(hanging, PLACE)).max() < 3e-3
+
+
+def test_scans_that_are_stamped_ahead_of_odometry_are_matched_once_it_is_there():
+    """Each waits for odometry of its end, however many come meanwhile."""
+    scan, localizer = scan_at(CELLS, PLACE), make_localizer()
+    places = []
+    for index in range(50):
+        time = 0.02 * index
+        localizer.add_odometry(standing(time, PLACE))
+        places.append(localizer.locate(None))
+        if index % 5 == 0:
+            localizer.add_scan(scan._replace(time=time + 0.15))
+    located = [place for place in places if place is not None]
+    assert len(located) >= 3 and np.abs(errors(located[-1], PLACE)).max() < 3e-3
+
+
+def test_scans_of_another_room_fit_less():
+    """The mean is told once there are enough of them; in the right map nearly all beams fit."""
+    fits = []
+    for cells, pose in ((CELLS, PLACE), (room_cells(12.0, 9.0), Pose(10.5, 7.0, 1.0))):
+        scan, localizer = scan_at(cells, pose), make_localizer()
+        for index in range(FIT_COUNT):
+            assert localizer.mean_fit is None
+            stand(localizer, scan, PLACE, 0.2 * index)
+        fits.append(localizer.mean_fit)
+    assert fits[0] > 0.9 > 0.5 > fits[1]
+
+
+def test_what_measures_nothing_says_nothing_and_half_a_circle_is_enough():
+    """Beams of nan, inf, 0 and beyond the range are left out; in reverse they are the same."""
+    scan = scan_at(CELLS, PLACE)
+    for value in (math.nan, math.inf, -math.inf, 0.0, 1e3, -1.0):
+        blank = scan._replace(ranges=np.full(len(scan.ranges), value))
+        assert stand(make_localizer(), blank, PLACE) is None
+    holes = scan.ranges.copy()
+    holes[::3], holes[1::7], holes[2::11] = math.nan, math.inf, 0.0
+    half = len(scan.ranges) // 2
+    last = scan.angle_min + scan.angle_increment * (len(scan.ranges) - 1)
+    turned = scan._replace(ranges=scan.ranges[::-1], angle_min=last,
+                           angle_increment=-scan.angle_increment, time_increment=0.0)
+    for seen in (scan._replace(ranges=holes), scan._replace(ranges=scan.ranges[:half]), turned):
+        localizer = make_localizer()
+        place = None
+        for index in range(10):
+            place = stand(localizer, seen, Pose(1.52, 1.19, 0.41), 0.1 * index)
+        assert np.abs(errors(place, PLACE)).max() < 6e-3
 
 
 def with_box(scan, pose, box):

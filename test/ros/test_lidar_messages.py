@@ -54,6 +54,8 @@ def test_a_scan_survives_its_message():
     ({'time_increment': -0.1}, 'scan.time_increment: got -0.1'),
     ({'time_increment': 1.0}, 'scan.time_increment: got 1 '),
     ({'range_max': 0.125}, 'scan.range_max: got 0.125'),
+    ({'ranges': [1.0] * 24, 'angle_max': 1.0}, 'scan.ranges: got 24 beams, expected 11'),
+    ({'angle_max': math.inf}, 'scan.angle_max: got inf'),
 ])
 def test_what_is_no_scan_is_refused_by_its_field(fields, name):
     """The error names the field and what came."""
@@ -67,9 +69,9 @@ def test_a_place_is_less_certain_than_it_states():
     assert place.time == 3.0 and np.allclose(place.pose, PLACE)
     assert place.covariance.x_x == pytest.approx(3e-4)
     assert place.covariance.theta_theta == pytest.approx(3e-4)
-    floored = with_least_deviation(place, 0.02).covariance
-    assert (floored.x_x, floored.y_y) == pytest.approx((4e-4, 4e-4))
-    assert with_least_deviation(place, 0.01) == place
+    floored = with_least_deviation(place, 0.02, 0.1).covariance
+    assert (floored.x_x, floored.y_y, floored.theta_theta) == pytest.approx((4e-4, 4e-4, 1e-2))
+    assert with_least_deviation(place, 0.01, 0.01) == place
 
 
 @pytest.mark.parametrize('message, reason', [
@@ -81,6 +83,12 @@ def test_a_place_without_certainty_or_of_another_frame_is_refused(message, reaso
     """A pose alone does not say how much it counts."""
     with pytest.raises(MessageRefused, match=reason):
         from_place_message(message, 'odom', 3.0)
+
+
+def test_a_lidar_that_looks_aslant_is_refused():
+    """Its beams end at walls where the map has none."""
+    with pytest.raises(MessageRefused, match='tilted by 0.40 rad'):
+        mount_of(RigidTransform.from_angles((0.0, 0.0, 0.3), (0.0, 0.4, 0.0)))
 
 
 @pytest.mark.parametrize('roll', [0.0, math.pi])

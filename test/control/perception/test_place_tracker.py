@@ -5,7 +5,7 @@ import math
 from helpers.objects import box
 import numpy as np
 from push_control.perception.perception import TaskPerception
-from push_control.perception.place_tracker import MAX_AGE, PlaceTracker
+from push_control.perception.place_tracker import MAX_TURN, MAX_LENGTH, PlaceTracker
 from push_control.settings import ControlSettings
 from push_control.supervision_settings import SupervisionSettings
 from push_model.events import PushEvent
@@ -151,8 +151,27 @@ def test_a_late_place_is_brought_to_the_present():
     # 0.5 m ahead, half a centimetre of it for each hundredth of a radian.
     assert present.covariance.matrix[:2, :2].trace() == pytest.approx(2e-4 + 0.05 ** 2, rel=0.02)
     assert tracker.at_present(place, newest) is None
-    assert tracker.is_placed(0.5 + MAX_AGE) and not tracker.is_placed(0.6 + MAX_AGE)
     assert tracker.at_present(place._replace(time=5.0), newest) is not None
+
+
+def test_a_place_holds_while_the_robot_stands_and_some_way_on():
+    """AMCL sends nothing to a robot that stands; what it drives back and forth counts as way."""
+    for step, rotation, limit in ((0.02, 0.0, MAX_LENGTH / 0.02), (0.0, 0.02, MAX_TURN / 0.02)):
+        tracker = PlaceTracker()
+        for index in range(3000):
+            tracker.add_odometry(Odometry(0.02 * index, START, Twist()), False)
+        newest = Odometry(60.0, START, Twist())
+        assert not tracker.is_placed
+        tracker.at_present(RobotPlace(58.5, START, STATED), newest)
+        for index in range(1, 3000):
+            tracker.add_odometry(Odometry(60.0 + index, START, Twist()), False)
+        assert tracker.is_placed
+        held = 0
+        while tracker.is_placed:
+            held += 1
+            there = Pose(step, 0.0, rotation) if held % 2 else START
+            tracker.add_odometry(Odometry(4e3 + held, there, Twist()), False)
+        assert held == pytest.approx(limit, abs=2)
 
 
 def test_odometry_that_has_jumped_brings_no_place_to_the_present():
