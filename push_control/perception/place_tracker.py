@@ -12,8 +12,8 @@ from push_model.geometry import Pose, wrap_angle
 from push_model.odometry_history import OdometryHistory
 from push_model.signals import Odometry, PlaceStatus, PoseCovariance, RobotPlace
 
-# Length of path and turn after which a place says no more where the robot is [m], [rad]; chosen: twice what
-# AMCL lets pass between two poses. While the robot stands it sends none, and its last one holds.
+# Length of path and turn after which a place says no more where the robot is [m], [rad]; chosen:
+# twice what AMCL lets pass between two poses. While the robot stands its last one holds.
 MAX_LENGTH, MAX_TURN = 0.5, 0.5
 # Time after which what measures places is no longer known to be lost [s]; chosen: ten scans.
 MAX_AGE = 1.0

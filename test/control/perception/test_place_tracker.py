@@ -5,7 +5,7 @@ import math
 from helpers.objects import box
 import numpy as np
 from push_control.perception.perception import TaskPerception
-from push_control.perception.place_tracker import MAX_TURN, MAX_LENGTH, PlaceTracker
+from push_control.perception.place_tracker import MAX_LENGTH, MAX_TURN, PlaceTracker
 from push_control.settings import ControlSettings
 from push_control.supervision_settings import SupervisionSettings
 from push_model.events import PushEvent
