@@ -13,6 +13,7 @@ import math
 from typing import Any
 
 import numpy as np
+from push_control.perception.view import View
 from push_control.task.status import StateChange
 from push_model.base_knowledge import BaseKnowledge
 from push_model.friction import friction_center
@@ -97,6 +98,18 @@ def camera_values(camera: CameraSettings) -> Message | None:
     return {'place': camera.place, 'mount': rounded(camera.mount),
             'half_angle': camera.half_angle, 'nearest': camera.nearest,
             'farthest': camera.farthest}
+
+
+def view_message(view: View, robot: RoundRobot) -> Message:
+    """
+    Describe from where a robot sees the object, as a camera in its centre.
+
+    :param view: stated ``View``; its nearest distance is a gap.
+    """
+    nearest = robot.radius + view.nearest if view.nearest > 0.0 else 0.0
+    camera = CameraSettings('robot', half_angle=view.half_angle, nearest=nearest,
+                            farthest=min(view.farthest, CameraSettings.farthest))
+    return {'type': 'camera', 'camera': camera_values(camera)}
 
 
 def base_message(time: float, base: BaseKnowledge) -> Message:

@@ -7,6 +7,7 @@ import secrets
 import sys
 from typing import Any
 
+from push_control.perception.view import View
 from push_control.task.status import TaskState
 from push_model.base_knowledge import BaseKnowledge
 from push_model.geometry import Pose
@@ -195,6 +196,9 @@ class ViewNode(PushNode):
             base = base_knowledge(values)
             if base is not None:
                 self._record.on_base(base)
+            view = View.from_report(values)
+            if view is not None:
+                self._record.on_view(view)
 
 
 def base_knowledge(values: Mapping[str, str]) -> BaseKnowledge | None:

@@ -5,6 +5,7 @@ import math
 from push_control.events import PerceptionEvent
 from push_control.perception.measurement_faults import measurement_fault
 from push_control.perception.object_knowledge import ObjectKnowledge
+from push_control.perception.view import View
 from push_control.settings import ControlSettings
 from push_model.base_knowledge import BaseKnowledge
 from push_model.events import EventReport, Report
@@ -25,6 +26,8 @@ class RawPerception:
     def __init__(self, control: ControlSettings) -> None:
         """Start without measurements."""
         self._control = control
+        # A single push needs poses all the time.
+        self.view = View()
         self._observation: Observation | None = None
         # Time of the newest finite object pose [s].
         self._pose_time: float | None = None

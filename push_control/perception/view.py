@@ -1,5 +1,6 @@
 """The view: where poses of the object are expected, as a camera or a tracker sees it."""
 
+from collections.abc import Mapping
 import math
 from typing import NamedTuple
 
@@ -12,6 +13,8 @@ GAP_MARGIN = 0.03
 ANGLE_MARGIN = 0.1
 # Time without a pose after which an object is out of view [s]; chosen: some periods of a camera.
 UNSEEN_TIME = 0.6
+# Names of the fields in diagnostics: those of their parameters.
+REPORTED_NAMES = 'view_angle', 'view_nearest', 'view_farthest'
 # Standard deviations of the robot relative to the object that are added to these margins.
 MARGIN_SIGMAS = 2.0
 
@@ -34,6 +37,23 @@ class View(NamedTuple):
     def from_settings(cls, supervision: SupervisionSettings) -> 'View':
         """Read the view that is stated."""
         return cls(supervision.view_angle, supervision.view_nearest, supervision.view_farthest)
+
+    @classmethod
+    def from_report(cls, values: Mapping[str, str]) -> 'View | None':
+        """
+        Read the view that a controller reports.
+
+        :param values: of its diagnostic, by name.
+        :return: None where it reports none.
+        """
+        try:
+            return cls(*(float(values[name]) for name in REPORTED_NAMES))
+        except (KeyError, ValueError):
+            return None
+
+    def to_report(self) -> dict[str, float]:
+        """Return the values of the diagnostic, by name; none where the object is always seen."""
+        return {} if self == View() else dict(zip(REPORTED_NAMES, self))
 
     def expects(self, robot: Pose, obj: Pose, gap: float, position_std: float = 0.0,
                 heading_std: float = 0.0) -> bool:

@@ -7,7 +7,6 @@ from push_control.ros.scene import EstimatedScene, ScenePublisher
 from push_control.task.code_text import code_text
 from push_control.task.status import StateChange, SupervisorStatus, TaskState
 from push_control.task.supervisor import Supervisor
-from push_model.base_knowledge import BaseKnowledge
 from push_model.geometry import Pose
 from push_model.observation import Observation
 from push_model.trajectory import PushTrajectory
@@ -44,17 +43,20 @@ class TaskReporter:
         :param time: of the newest measurement [s].
         """
         known, self._history = self._history, supervisor.history
-        base = supervisor.perception.base_knowledge
+        perception = supervisor.perception
+        base = perception.base_knowledge
+        known_values = {**({} if base is None else base.to_mapping()),
+                        **perception.view.to_report()}
         if self._history is not known:
             is_continued = self._history[:len(known)] == known
             for change in self._history[len(known) if is_continued else 0:]:
-                self._report(supervisor.status, change, time, base, always=True)
+                self._report(supervisor.status, change, time, known_values, always=True)
         is_due = self._report_rate.due(time)
         if is_due or (supervisor.state, supervisor.reason) != self._reported:
             status = supervisor.status
             present = StateChange(status.since, status.state, status.reason, status.is_requested,
                                   status.codes)
-            self._report(status, present, time, base, always=False)
+            self._report(status, present, time, known_values, always=False)
 
     def draw(self, supervisor: Supervisor, time: float) -> None:
         """
@@ -113,7 +115,7 @@ class TaskReporter:
         self._scene.show_plan(plan, stamp)
 
     def _report(self, status: SupervisorStatus, change: StateChange, time: float,
-                base: BaseKnowledge | None, *, always: bool) -> None:
+                known_values: dict[str, float], *, always: bool) -> None:
         self._reported = change.state, change.reason
         values = {
             'time': time, 'state': change.state.value, 'reason': change.reason,
@@ -122,7 +124,7 @@ class TaskReporter:
         if status.goal_deviation is not None:
             values['position_deviation'], values['heading_deviation'] = status.goal_deviation
         values.update({f'push.{key}': value for key, value in status.push.values().items()})
-        values.update({} if base is None else base.to_mapping())
+        values.update(known_values)
         is_fault = (bool(change.reason) and not change.is_requested
                     and WITHOUT_FAULT.isdisjoint(change.codes))
         level = LEVELS.get(change.state, WARN if is_fault else OK)

@@ -2,6 +2,7 @@
 
 import math
 
+from push_control.perception.view import UNSEEN_TIME, View
 from push_control.task.status import StateChange, TaskState
 from push_model.base_knowledge import BaseKnowledge
 from push_model.geometry import Pose
@@ -12,13 +13,13 @@ from push_navigation.occupancy_map import OccupancyMap
 from push_view.live.measured_contact import MeasuredContact
 from push_view.messages import (
     base_message, goal_message, map_message, push_message, rows_message, scene_message,
-    state_message,
+    state_message, view_message,
 )
 from push_view.server.message_log import MessageLog
 
 COLUMNS = ('time', 'object_x', 'object_y', 'object_theta', 'robot_x', 'robot_y', 'robot_theta',
            'robot_v_x', 'robot_v_y', 'robot_omega', 'force_n', 'force_t', 'contact_x', 'contact_y',
-           'normal', 'gap')
+           'normal', 'gap', 'object_seen')
 # Least time between two rows [s]; chosen: what a screen needs.
 ROW_PERIOD = 0.04
 # Time by which stamps must go back for a new run [s]; chosen: more than messages are out of order.
@@ -42,7 +43,11 @@ class RobotRecorder:
             title, obj, robot, COLUMNS,
             description='A robot as it is measured and as it reports itself.')
         self._contact = MeasuredContact(obj, robot)
+        self._robot = robot
         self._object_pose: Pose | None = None
+        # When the object was last seen, and the view that explains why it is not.
+        self._seen_at = -math.inf
+        self._view: View | None = None
         self._goal: Pose | None = None
         self._map: OccupancyMap | None = None
         self._start_time: float | None = None
@@ -68,7 +73,8 @@ class RobotRecorder:
         unknown = (math.nan,) * 3
         self._log.add(rows_message([(
             time, *(unknown if self._object_pose is None else self._object_pose), *odometry.pose,
-            *odometry.twist, *self._contact.values(time, self._object_pose, odometry.pose))]))
+            *odometry.twist, *self._contact.values(time, self._object_pose, odometry.pose),
+            float(self._is_seen(odometry.time)))]))
 
     def on_contact_force(self, force: tuple[float, float]) -> None:
         """
@@ -99,6 +105,7 @@ class RobotRecorder:
     def on_object_pose(self, measured: ObjectPose) -> None:
         """Take note of where the object is."""
         self._object_pose = measured.pose
+        self._seen_at = measured.time
 
     def on_goal(self, pose: Pose) -> None:
         """
@@ -128,11 +135,21 @@ class RobotRecorder:
             self._state = state, reason
             self._log.add(state_message(StateChange(self.time, state, reason)))
 
+    def on_view(self, view: View) -> None:
+        """Show from where the object is seen, unless that is shown."""
+        if view != self._view:
+            self._view = view
+            self._log.add(view_message(view, self._robot))
+
     def on_base(self, base: BaseKnowledge) -> None:
         """Show what the controller knows of the base, unless it is shown."""
         if base != self._base:
             self._base = base
             self._log.add(base_message(self.time, base))
+
+    def _is_seen(self, time: float) -> bool:
+        """Tell whether poses come, or nothing is stated of when they do not."""
+        return self._view is None or time - self._seen_at < UNSEEN_TIME
 
     def _start(self) -> None:
         """Show a new run, with what still holds of the former one."""
@@ -141,6 +158,8 @@ class RobotRecorder:
         self._state: tuple[TaskState, str] | None = None
         self._log.clear()
         self._log.add(self._scene)
+        if self._view is not None:
+            self._log.add(view_message(self._view, self._robot))
         if self._map is not None:
             self._log.add(map_message(0.0, self._map))
         if self._goal is not None:

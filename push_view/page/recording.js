@@ -61,6 +61,8 @@ class Recording {
       this.clear(message);
     } else if (message.type === 'rows') {
       message.rows.forEach((row) => this.addRow(row));
+    } else if (message.type === 'camera') {
+      this.scene.camera = message.camera;
     } else if (KINDS.includes(message.type)) {
       this[message.type + 's'].push(message);
     } else {

@@ -8,6 +8,7 @@ from geometry_msgs.msg import Vector3, Wrench, WrenchStamped
 from helpers.extras import import_extra
 from helpers.node_bench import bench
 from helpers.page_reader import is_refused, PageReader
+from push_control.perception.view import View
 from push_control.task.status import TaskState
 from push_model.files.flat_values import to_parameter_values
 from push_model.geometry import Pose
@@ -149,6 +150,24 @@ def test_what_the_controller_reports_of_its_base_is_shown_once():
                                               'pulse': 0.12, 'first_gain': 1.0}.items()
     assert base_knowledge({'state': 'push'}) is None
     assert base_knowledge({'dead_time': 'unknown'}) is None
+
+
+def test_from_where_the_object_is_seen_is_shown_once() -> None:
+    """As a camera whose nearest distance is a gap; what it does not see is an outline."""
+    log = MessageLog()
+    record = RobotRecorder(log, 'robot', SCENARIO.object, SCENARIO.robot)
+    record.on_object_pose(ObjectPose(0.0, Pose(0.6, 0.0, 0.0)))
+    at_rest = Pose(0.0, 0.0, 0.0), Twist(0.0, 0.0, 0.0)
+    record.on_odometry(Odometry(2.0, *at_rest))
+    for _ in range(2):
+        record.on_view(View(0.6, 0.18))
+    record.on_odometry(Odometry(3.0, *at_rest))
+    record.on_object_pose(ObjectPose(3.9, Pose(0.6, 0.0, 0.0)))
+    record.on_odometry(Odometry(4.0, *at_rest))
+    (camera,) = shown(log, 'camera')
+    assert camera['camera']['nearest'] == pytest.approx(SCENARIO.robot.radius + 0.18)
+    assert (camera['camera']['half_angle'], camera['camera']['place']) == (0.6, 'robot')
+    assert [row[-1] for message in shown(log, 'rows') for row in message['rows']] == [1, 0, 1]
 
 
 def test_time_begins_with_the_first_measurement_and_again_when_it_goes_back():
