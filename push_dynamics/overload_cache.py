@@ -45,11 +45,12 @@ class OverloadCache:
         :param signature: types of the arguments.
         :param target_context: numba's context of the processor.
         """
-        target_context.refresh()
         key = self._key(signature, target_context.codegen())
         content = self._folder.read(self._file_name(key))
         if content is None:
             return None
+        # What only the compiler needs is left out: to import it takes as long as all the rest.
+        self._numba.core.runtime.rtsys.initialize(target_context)
         try:
             written_key, parts = pickle.loads(content)
         except (AttributeError, ImportError):
