@@ -16,6 +16,9 @@ if TYPE_CHECKING:
     from push_model.plan_request import PlanFailure, PlanRequest
     from push_planner.problem import (
         InitialMotion, PlanningFailed, problem_from_placement, PushProblem)
+    from push_planner.rearrangement.order import plan_order
+    from push_planner.rearrangement.problem import (
+        NamedObject, ObjectFailure, OrderPlan, Rearrangement)
     from push_planner.settings import PlannerSettings
     from push_planner.steered.plan import Plan
     from push_planner.steered.planner import plan_push
@@ -28,10 +31,11 @@ if TYPE_CHECKING:
     from push_planner.task_planner import plan_for_request, PushPlanner
 
 __all__ = [
-    'choose_site', 'InitialMotion', 'Plan', 'plan_for_request', 'plan_from_measurements',
-    'plan_push', 'plan_steered_push', 'PlanFailure', 'PlannerSettings', 'PlanningFailed',
-    'PlanRequest', 'problem_from_placement', 'PushPlanner', 'PushProblem', 'SiteChoice',
-    'straight_pushes', 'StraightPushes', 'TaskPlan', 'Verification', 'verify',
+    'choose_site', 'InitialMotion', 'NamedObject', 'ObjectFailure', 'OrderPlan', 'Plan',
+    'plan_for_request', 'plan_from_measurements', 'plan_order', 'plan_push', 'plan_steered_push',
+    'PlanFailure', 'PlannerSettings', 'PlanningFailed', 'PlanRequest', 'problem_from_placement',
+    'PushPlanner', 'PushProblem', 'Rearrangement', 'SiteChoice', 'straight_pushes',
+    'StraightPushes', 'TaskPlan', 'Verification', 'verify',
 ]
 
 __getattr__, __dir__ = lazy_names(__name__, {
@@ -45,6 +49,9 @@ __getattr__, __dir__ = lazy_names(__name__, {
     'push_planner.steered.site_selection': ('choose_site', 'SiteChoice'),
     'push_planner.steered.verification.verification': ('Verification', 'verify'),
     'push_planner.steered.task_push': ('plan_steered_push',),
+    'push_planner.rearrangement.order': ('plan_order',),
+    'push_planner.rearrangement.problem': ('NamedObject', 'ObjectFailure', 'OrderPlan',
+                                           'Rearrangement'),
     'push_planner.task_plan': ('TaskPlan',),
     'push_planner.straight.candidates': ('straight_pushes', 'StraightPushes'),
     'push_planner.task_planner': ('plan_for_request', 'PushPlanner'),

@@ -1,0 +1,1 @@
+"""Order in which several objects are brought to their goals, one after the other."""
