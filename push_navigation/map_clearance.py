@@ -82,6 +82,24 @@ class MapContext(NamedTuple):
     sigmas: float = 2.0
 
 
+class Shortfall(NamedTuple):
+    """
+    Place on a path that lacks room for a robot which does not know its position.
+
+    :param x: of the place [m].
+    :param y: of the place [m].
+    :param clearance: of the place [m].
+    :param required: clearance that the robot's centre needs there [m].
+    :param deviation: standard deviation of the robot's position there [m].
+    """
+
+    x: float
+    y: float
+    clearance: float
+    required: float
+    deviation: float
+
+
 class MapClearance(NamedTuple):
     """
     Clearance that one path keeps from obstacles.
@@ -129,7 +147,7 @@ class MapClearance(NamedTuple):
         """
         points = np.asarray(poses)[:, :2]
         steps = np.diff(points, axis=0)
-        lengths = np.concatenate([[0.0], np.cumsum(np.hypot(*steps.T))])
+        lengths = _driven_lengths(points)
         clearance = self.context.occupancy_map.clearance(points)
         if np.all(clearance >= self.required(points, lengths) - slack):
             return True
@@ -140,6 +158,26 @@ class MapClearance(NamedTuple):
         moments = np.concatenate([np.zeros((1, 2)), np.cumsum(middles, axis=0)])
         levers = lengths[:, None] * (points - points[0]) - moments
         return self._is_free_along(points, levers, without_drift - self.radius, slack)
+
+    def shortfall(self, poses: FloatArray) -> Shortfall | None:
+        """
+        Find where a path lacks most of the clearance that it needs, the drift in all directions.
+
+        :param poses: (x, y, theta) along it, from its start on, shape (n, 3).
+        :return: ``Shortfall``, None where it lacks none.
+        """
+        points = np.asarray(poses)[:, :2]
+        lengths = _driven_lengths(points)
+        clearances = self.context.occupancy_map.clearance(points)
+        required = self.required(points, lengths)
+        worst = int(np.argmax(required - clearances))
+        if clearances[worst] >= required[worst]:
+            return None
+        deviations = self.context.uncertainty.deviations(
+            lengths, np.hypot(*(points - self.start).T))
+        return Shortfall(float(points[worst, 0]), float(points[worst, 1]),
+                         float(clearances[worst]), float(required[worst]),
+                         float(deviations[worst]))
 
     def _is_free_along(self, points: FloatArray, levers: FloatArray, others: FloatArray,
                        slack: float) -> bool:
@@ -163,6 +201,11 @@ class MapClearance(NamedTuple):
             if np.any(distances < needed - slack):
                 return False
         return True
+
+
+def _driven_lengths(points: FloatArray) -> FloatArray:
+    """Lengths driven from the first of some points to each [m]."""
+    return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
 
 
 def map_clearance(robot: RoundRobot, start: Pose, goal: Pose, settings: DriveSettings,

@@ -2,20 +2,26 @@
 Benchmark of plans in maps: first plan of each task, whether there is one, and how long it takes.
 
 Parts: ``passages``, success over the width of a passage; ``flats``; ``growth``, the time over the
-cells of the map and over the pushes; ``nooks``, tasks from and to walls, corners and niches. With
-``--drive`` passages and nooks are driven to the end, too.
+cells of the map and over the pushes; ``nooks``, tasks from and to walls, corners and niches;
+``public maps``, tasks in the maps of a folder, by robots that know their position and by odometry
+alone. With ``--drive`` passages and nooks are driven to the end, too.
 """
 
 import argparse
+from collections import Counter
 import math
 from pathlib import Path
+import sys
 import time
 from typing import Any, NamedTuple, Sequence
 
 from benchmarks.controller.tables import wilson
-from benchmarks.map_plans.instances import building, flat, Instance, Nook, nook, passage
+from benchmarks.map_plans.instances import (
+    building, flat, Instance, Nook, nook, passage, public,
+)
 import numpy as np
-from push_model.plan_request import PlanRequest
+from push_control.supervision_settings import SupervisionSettings
+from push_model.plan_request import PlanFailure, PlanRequest
 from push_navigation.settings import DriveSettings
 from push_planner.problem import PlanningFailed
 from push_planner.settings import PlannerSettings
@@ -24,7 +30,8 @@ from push_scenario.simulation.loop import simulate
 from push_scenario.simulation.result import Outcome
 from tqdm import tqdm
 
-PASSAGES, FLATS, GROWTH, NOOKS = PARTS = ('passages', 'flats', 'growth', 'nooks')
+PASSAGES, FLATS, GROWTH, NOOKS, PUBLIC = PARTS = (
+    'passages', 'flats', 'growth', 'nooks', 'public maps')
 RATIOS = (3.0, 2.5, 2.0, 1.75, 1.5, 1.4, 1.3, 1.2, 1.1)
 OBJECTS = ('box_04', 'carton', 'coffee_table')
 NOOK_OBJECTS = (*OBJECTS, 'bin')
@@ -44,6 +51,7 @@ class Row(NamedTuple):
     :param name: what they have in common.
     :param width: of the passage over that of the object, or 0.
     :param found: whether each has a plan.
+    :param causes: codes of the refusals of those that have none.
     :param seconds: CPU time of the plan of each [s].
     :param pushes: of those that have one.
     :param done: whether each was driven to its goal; empty where none was driven.
@@ -52,13 +60,14 @@ class Row(NamedTuple):
     name: str
     width: float
     found: list[bool]
+    causes: list[PlanFailure]
     seconds: list[float]
     pushes: list[int]
     done: list[bool]
 
 
 def measure(name: str, instances: Sequence[Instance], *, width: float = 0.0,
-            drives: bool = False) -> Row:
+            drives: bool = False, drift: float = 0.0) -> Row:
     """
     Plan tasks, and drive them where that is wanted.
 
@@ -66,16 +75,20 @@ def measure(name: str, instances: Sequence[Instance], *, width: float = 0.0,
     :param instances: the ``Instance`` of each.
     :param width: of the passage over that of the object.
     :param drives: whether to drive them.
+    :param drift: growth of the deviation of the robot per distance, and of its heading
+        [m/m, rad/m].
     """
-    row = Row(name, width, [], [], [], [])
+    row = Row(name, width, [], [], [], [], [])
     for instance in instances:
-        request = PlanRequest(instance.start, instance.robot_start, instance.goal, instance.obj)
+        request = PlanRequest(instance.start, instance.robot_start, instance.goal, instance.obj,
+                              odometry_slope=drift, odometry_drift=drift)
         started = time.process_time()
         try:
             plan = plan_for_request(request, instance.robot, PlannerSettings(), DriveSettings(),
                                     instance.occupancy_map)
-        except PlanningFailed:
+        except PlanningFailed as failure:
             plan = None
+            row.causes.append(failure.code)
         row.seconds.append(time.process_time() - started)
         row.found.append(plan is not None)
         if plan is not None:
@@ -125,6 +138,18 @@ def nooks(count: int, drives: bool) -> list[Row]:
     return rows
 
 
+def public_maps(count: int, folder: str) -> list[Row]:
+    """Measure tasks in the maps of a folder, by robots that know their position or drift."""
+    rows: list[Row] = []
+    drift = SupervisionSettings().odometry_drift
+    for name in NOOK_OBJECTS:
+        measure('', [nook(Nook.TO_WALL, name, DRIVES[0], count)])
+        instances = [public(name, DRIVES[0], seed, folder) for seed in range(count)]
+        rows.append(measure(f'{name}, its position known', instances))
+        rows.append(measure(f'{name}, odometry alone', instances, drift=drift))
+    return rows
+
+
 def growth(count: int) -> list[Row]:
     """Measure the time over cells and over pushes; the first answer in a map apart."""
     cases = [(side, ROOMS_OF_SIDES) for side in SIDES]
@@ -143,17 +168,19 @@ def growth(count: int) -> list[Row]:
 def table(rows: Sequence[Row]) -> str:
     """Format rows as a Markdown table."""
     lines = ['| tasks | width / object | plan found (95 %) | CPU median / p95 / most [s] | pushes '
-             'median, most | driven |', '| --- | --- | --- | --- | --- | --- |']
+             'median, most | driven | refusals |', '| --- | --- | --- | --- | --- | --- | --- |']
     for row in rows:
         count = len(row.found)
         low, high = wilson(sum(row.found), count)
         median, late = np.percentile(row.seconds, (50, 95))
         pushes = f'{np.median(row.pushes):g}, {max(row.pushes)}' if row.pushes else ''
         driven = f'{sum(row.done)} of {count}' if row.done else ''
+        causes = ', '.join(f'{number} {cause.name}'
+                           for cause, number in Counter(row.causes).most_common())
         lines.append(
             f'| {row.name} | {row.width or ""} | {sum(row.found)} of {count} ({100 * low:.0f} to '
             f'{100 * high:.0f} %) | {median:.3f} / {late:.3f} / {max(row.seconds):.3f} | '
-            f'{pushes} | {driven} |')
+            f'{pushes} | {driven} | {causes} |')
     return '\n'.join(lines) + '\n'
 
 
@@ -192,6 +219,8 @@ def main() -> int:
     parser.add_argument('--ratio', type=float, action='append', dest='ratios',
                         help='only passages of this width over that of the object; may be given '
                         'several times')
+    parser.add_argument('--maps', help=f'folder with maps of map_server for {PUBLIC}, which are '
+                        'skipped without it')
     parser.add_argument('--drive', action='store_true', help='drive passages and nooks, too')
     parser.add_argument('--out', type=Path, default=Path('out/map_plans'))
     chosen = parser.parse_args()
@@ -199,9 +228,13 @@ def main() -> int:
         parser.error(f'--count: got {chosen.count}, expected at least 1')
     chosen.out.mkdir(parents=True, exist_ok=True)
     for part in chosen.parts or PARTS:
+        if part == PUBLIC and not chosen.maps:
+            print(f'{part}: skipped, as --maps names no folder', file=sys.stderr)
+            continue
         rows = {PASSAGES: lambda: passages(chosen.count, chosen.ratios or RATIOS, chosen.drive),
                 FLATS: lambda: flats(chosen.count), GROWTH: lambda: growth(chosen.count),
-                NOOKS: lambda: nooks(chosen.count, chosen.drive)}[part]()
+                NOOKS: lambda: nooks(chosen.count, chosen.drive),
+                PUBLIC: lambda: public_maps(chosen.count, chosen.maps)}[part]()
         written = table(rows)
         print(written)
         (chosen.out / f'{part}.md').write_text(written, encoding='utf-8')

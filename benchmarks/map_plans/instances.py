@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from benchmarks.tasks.cases import CLEARANCE, draw, FLATS, ROBOTS
 from benchmarks.tasks.maps import inner_reach, reach
+from benchmarks.tasks.public_maps import draw_public_task
 import numpy as np
 from push_model.files import data
 from push_model.files.parameter_files import read_object, read_robot
@@ -221,6 +222,21 @@ def nook(kind: Nook, name: str, drive: str, seed: int) -> Instance:
     origin = Pose(rng.uniform(-5.0, 5.0), rng.uniform(-5.0, 5.0), rng.uniform(-math.pi, math.pi))
     occupancy_map = OccupancyMap(RESOLUTION, origin, occupied)
     return Instance(occupancy_map, obj, robot, origin @ start, origin @ beside, origin @ goal)
+
+
+def public(name: str, drive: str, seed: int, folder: str) -> Instance:
+    """
+    Draw a task in a map of a folder, as in the part of ``benchmarks.tasks`` of that name.
+
+    :param name: of the object.
+    :param drive: of the robot.
+    :param seed: of all draws; it chooses the map.
+    :param folder: with maps of ``map_server``.
+    """
+    obj, robot = bodies(name, drive)
+    task = draw_public_task(folder, seed, obj, robot, np.random.default_rng(seed))
+    return Instance(task.floor_map.occupancy_map, obj, robot, task.start, task.robot_start,
+                    task.goal)
 
 
 def _extents(obj: PushedObject, heading: float) -> tuple[float, float, float]:

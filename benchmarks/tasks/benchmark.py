@@ -16,10 +16,12 @@ from benchmarks.controller.tables import Job, Record
 from benchmarks.tasks.bases import BAD_BASES, compared_jobs, LEARNED, TREATMENTS
 from benchmarks.tasks.cases import (
     BASE_PARTS, BASES, BY_ODOMETRY, draw, EYES_PARTS, FAR_ROBOTS, FLATS, IN_MAPS, jobs, KINDS,
-    odometry_jobs, OPEN, OWN_EYES, PARTS, SLOPES, SPATIAL_BASES, SPATIAL_EYES, STRICT,
+    LIDAR_PARTS, odometry_jobs, OPEN, OWN_EYES, PARTS, PUBLIC_MAPS, SLOPES, SPATIAL_BASES,
+    SPATIAL_EYES, STRICT,
 )
 from benchmarks.tasks.eyes import ALWAYS_SEEN, EYES, seen_jobs
 from benchmarks.tasks.picture import picture
+from benchmarks.tasks.public_table import public_table
 from benchmarks.tasks.reference import refer
 from benchmarks.tasks.report import text
 from benchmarks.tasks.run import disturbed, run, run_case
@@ -29,7 +31,8 @@ from push_scenario.parallel import ERROR, JobFunction, progress_bar, run_many
 DESCRIPTION = 'Benchmark of tasks: how many random goals are reached, how soon.'
 # Number of tasks of each part; those that are not here have 200. Strict: as many for each of two
 # tolerances. Bad bases: twenty with each. Eyes: 35 with each.
-COUNTS = {OPEN: 1000, STRICT: 400, FLATS: 100, FAR_ROBOTS: 50, BASES: 20 * len(BAD_BASES),
+COUNTS = {OPEN: 1000, STRICT: 400, FLATS: 100, FAR_ROBOTS: 50, PUBLIC_MAPS: 40,
+          BASES: 20 * len(BAD_BASES),
           SPATIAL_BASES: 20 * len(BAD_BASES), SLOPES: 16, OWN_EYES: 35 * len(EYES),
           SPATIAL_EYES: 35 * len(EYES)}
 OTHER_COUNT = 200
@@ -54,6 +57,8 @@ def options() -> argparse.Namespace:
     parser.add_argument('--records', type=Path, default=Path('out/tasks'))
     parser.add_argument('--out', type=Path, help='directory for tasks.md and tasks.png')
     parser.add_argument('--workers', type=int, help='processes; default: one per core')
+    parser.add_argument('--maps', help='folder with maps of map_server for the part '
+                        f'{PUBLIC_MAPS}, which is skipped without it')
     parser.add_argument('--seed', type=int,
                         help='run this task of the part only, and print what happens')
     parser.add_argument('--base', choices=(*TREATMENTS, ALWAYS_SEEN, BY_ODOMETRY), default=LEARNED,
@@ -69,6 +74,8 @@ def options() -> argparse.Namespace:
     for part in chosen.parts or [OPEN]:
         if chosen.kind not in (None, *KINDS[part]):
             parser.error(f'--kind: got {chosen.kind!r}, expected one of ' + '; '.join(KINDS[part]))
+    if chosen.seed is not None and PUBLIC_MAPS in chosen.parts and not chosen.maps:
+        parser.error(f'--maps: got none, expected a folder of maps for the part {PUBLIC_MAPS}')
     if chosen.count is not None and chosen.count < 1:
         parser.error(f'--count: got {chosen.count}, expected at least 1')
     return chosen
@@ -120,12 +127,17 @@ def measure(chosen: argparse.Namespace) -> tuple[list[Job], list[Record]]:
     all_jobs: list[Job] = []
     all_records: list[Record] = []
     for part in chosen.parts:
+        if part == PUBLIC_MAPS and not chosen.maps:
+            print(f'{part}: skipped, as --maps names no folder', file=sys.stderr)
+            continue
         tasks = jobs(part, count_of(chosen, part), [chosen.kind] if chosen.kind else [])
+        if part == PUBLIC_MAPS:
+            tasks = [{**job, 'maps': chosen.maps} for job in tasks]
         if part in BASE_PARTS:
             tasks += compared_jobs(tasks)
         if part in EYES_PARTS:
             tasks += seen_jobs(tasks)
-        if part == FAR_ROBOTS:
+        if part in LIDAR_PARTS:
             tasks += odometry_jobs(tasks)
         references: list[Record] = [{} for _ in tasks]
         if part == OPEN:
@@ -141,6 +153,8 @@ def one(chosen: argparse.Namespace) -> None:
     part = chosen.parts[0]
     job: Job = {'part': part, 'kind': chosen.kind or KINDS[part][0], 'seed': chosen.seed,
                 'base': chosen.base}
+    if part == PUBLIC_MAPS:
+        job['maps'] = chosen.maps
     case = draw(**job)
     result, clock = run_case(case)
     print(', '.join(f'{name} {value}' for name, value in job.items()))
@@ -176,6 +190,8 @@ def main() -> int:
     before = page.read_text(encoding='utf-8') if page is not None and page.exists() else ''
     written = text(all_jobs, all_records, before)
     print(written)
+    if PUBLIC_MAPS in chosen.parts:
+        print(public_table(list(zip(all_jobs, all_records))))
     if chosen.out:
         chosen.out.mkdir(parents=True, exist_ok=True)
         (chosen.out / 'tasks.md').write_text(written, encoding='utf-8')

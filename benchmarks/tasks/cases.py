@@ -18,6 +18,7 @@ from benchmarks.tasks.intervention import Disturbance, Intervention
 from benchmarks.tasks.maps import (
     draw_floor, FLAT, Floor, inner_reach, MAPS, places, places_in_flat, reach,
 )
+from benchmarks.tasks.public_maps import draw_public_task
 from benchmarks.tasks.varieties import STRIDE, varied_jobs
 import numpy as np
 from push_model.contact import find_contact
@@ -52,12 +53,15 @@ SLOPES = 'slopes'
 OWN_EYES = 'eyes'
 SPATIAL_EYES = 'spatial eyes'
 FAR_ROBOTS = 'far robots'
+PUBLIC_MAPS = 'public maps'
 # The order enters the seeds of the draws: append only.
 PARTS = (OPEN, IN_MAPS, DISTURBED, SLIPPERY, CREEPING, FRICTIONLESS, WHEELS, TAG, STRICT,
          INFORMED, FLATS, SPATIAL, BASES, SPATIAL_BASES, SLOPES, OWN_EYES, SPATIAL_EYES,
-         FAR_ROBOTS)
+         FAR_ROBOTS, PUBLIC_MAPS)
 # Parts whose base does not do what it is told.
 BASE_PARTS = (BASES, SPATIAL_BASES)
+# Parts whose robots are compared with themselves without a lidar.
+LIDAR_PARTS = (FAR_ROBOTS, PUBLIC_MAPS)
 # Parts whose object is not always seen.
 EYES_PARTS = (OWN_EYES, SPATIAL_EYES)
 ROBOTS = {'differential': 'disc_017', 'holonomic': 'holonomic_017'}
@@ -182,14 +186,14 @@ def jobs(part: str, count: int, kinds: Sequence[str] = ()) -> list[Job]:
 
 def odometry_jobs(tasks: Sequence[Job]) -> list[Job]:
     """
-    List what tasks of far robots are compared with: each of them by odometry alone.
+    List what tasks with a lidar are compared with: each of them by odometry alone.
 
-    :param tasks: of ``jobs``.
+    :param tasks: of ``jobs``, of ``LIDAR_PARTS``.
     """
     return [{**job, 'base': BY_ODOMETRY} for job in tasks]
 
 
-def draw(part: str, kind: str, seed: int, base: str = LEARNED) -> Case:
+def draw(part: str, kind: str, seed: int, base: str = LEARNED, maps: str = '') -> Case:
     """
     Draw a task.
 
@@ -197,11 +201,12 @@ def draw(part: str, kind: str, seed: int, base: str = LEARNED) -> Case:
     :param kind: one of the ``KINDS`` of this part.
     :param seed: of all draws.
     :param base: what the task is compared with: one of ``TREATMENTS`` of a base, of ``BASE_PARTS``
-        only; ``ALWAYS_SEEN``, of ``EYES_PARTS`` only; ``BY_ODOMETRY``, of ``FAR_ROBOTS`` only.
+        only; ``ALWAYS_SEEN``, of ``EYES_PARTS`` only; ``BY_ODOMETRY``, of ``LIDAR_PARTS`` only.
+    :param maps: folder of maps, of ``PUBLIC_MAPS`` only.
     :return: ``Case``.
     """
-    if part == FAR_ROBOTS:
-        case = _draw(part, kind, seed)
+    if part in LIDAR_PARTS:
+        case = _draw(part, kind, seed, maps)
         return case._replace(variety=BY_ODOMETRY) if base == BY_ODOMETRY else _by_lidar(case)
     if part in (OPEN, IN_MAPS, FLATS, DISTURBED):
         return _draw(part, kind, seed)
@@ -227,8 +232,10 @@ def draw(part: str, kind: str, seed: int, base: str = LEARNED) -> Case:
         case.scenario, description=f'{part}, {kind}, seed {seed}'))
 
 
-def _draw(part: str, kind: str, seed: int) -> Case:
+def _draw(part: str, kind: str, seed: int, maps: str = '') -> Case:
     """Draw a task on open floor, in a map, or disturbed."""
+    if part == PUBLIC_MAPS:
+        return _in_public_map(kind, seed, maps)
     rng = np.random.default_rng((PARTS.index(part), KINDS[part].index(kind), seed))
     name, drive = kind.split(', ')
     robot = read_robot(data.config_file(f'robots/{ROBOTS[drive]}.yaml'))
@@ -259,6 +266,24 @@ def _draw(part: str, kind: str, seed: int) -> Case:
         sensors=dataclasses.replace(SENSORS, pose_dropouts=dropouts),
         simulation=SimulationSettings(seed=seed), time_limit=TIME_LIMIT,
         task=Task(map=None if floor is None else floor.map)), variety, floor, intervention)
+
+
+def _in_public_map(kind: str, seed: int, maps: str) -> Case:
+    """Draw a task in a map of others; consecutive tasks are in different ones."""
+    kinds = KINDS[PUBLIC_MAPS]
+    rng = np.random.default_rng((PARTS.index(PUBLIC_MAPS), kinds.index(kind), seed))
+    name, drive = kind.split(', ')
+    robot = read_robot(data.config_file(f'robots/{ROBOTS[drive]}.yaml'))
+    believed, true = objects(name, rng, STRESSES[0], seed)
+    speed = rng.uniform(0.1, 0.25)
+    task = draw_public_task(maps, len(kinds) * seed + kinds.index(kind), true, robot, rng)
+    return Case(Scenario(
+        name='random', description=f'{task.name}, {kind}, seed {seed}', object=believed,
+        true_object=true, robot=robot, true_robot=robot, goal=Placement(*task.goal),
+        start=Start(object=Placement(*task.start), robot=Placement(*task.robot_start)),
+        planner=PlannerSettings(pushing_speed=speed), sensors=SENSORS,
+        simulation=SimulationSettings(seed=seed), time_limit=TIME_LIMIT,
+        task=Task(map=task.floor_map)))
 
 
 def _goal(rng: np.random.Generator) -> Pose:

@@ -178,7 +178,7 @@ def robot_clearance(robot: RoundRobot, poses: ArrayLike, rectangles: FloatArray)
     :param poses: of the robot, shape (n, 3).
     :param rectangles: of the floor, shape (m, 4) [m].
     """
-    return float(to_rectangles(_distinct(poses)[:, :2], rectangles).min() - robot.radius)
+    return float(to_rectangles(distinct_poses(poses)[:, :2], rectangles).min() - robot.radius)
 
 
 def object_clearance(obj: PushedObject, poses: ArrayLike, rectangles: FloatArray) -> float:
@@ -192,7 +192,7 @@ def object_clearance(obj: PushedObject, poses: ArrayLike, rectangles: FloatArray
     :param poses: of the object, shape (n, 3).
     :param rectangles: of the floor, shape (m, 4) [m].
     """
-    distinct = _distinct(poses)
+    distinct = distinct_poses(poses)
     if not obj.outline:
         return float(to_rectangles(distinct[:, :2], rectangles).min() - obj.radius)
     outline = np.array(obj.outline) @ (1.0, 1j)
@@ -238,6 +238,11 @@ def _walls(columns: int, rows: int) -> IntArray:
                      (columns - WALL, 0, columns, rows)])
 
 
-def _distinct(poses: ArrayLike) -> FloatArray:
-    """Round the poses and drop duplicates."""
+def distinct_poses(poses: ArrayLike) -> FloatArray:
+    """
+    Round the poses and drop duplicates.
+
+    :param poses: shape (n, 3).
+    :return: shape (m, 3).
+    """
     return POSE_ROUNDING * np.unique(np.round(np.asarray(poses) / POSE_ROUNDING), axis=0)

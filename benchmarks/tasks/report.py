@@ -9,8 +9,8 @@ from benchmarks.tasks.aims import aim_table
 from benchmarks.tasks.base_tables import base_table, weight_table
 from benchmarks.tasks.bases import LEARNED, treatment
 from benchmarks.tasks.cases import (
-    BASE_PARTS, BASES, DISTURBED, EYES_PARTS, FAR_ROBOTS, IN_MAPS, OPEN, OWN_EYES, PARTS,
-    SPATIAL_BASES, SPATIAL_EYES, STRICT, WHEELS,
+    BASE_PARTS, BASES, DISTURBED, EYES_PARTS, FAR_ROBOTS, IN_MAPS, LIDAR_PARTS, OPEN, OWN_EYES,
+    PARTS, SPATIAL_BASES, SPATIAL_EYES, STRICT, WHEELS,
 )
 from benchmarks.tasks.eyes_tables import eyes_table
 from benchmarks.tasks.groups import (
@@ -27,7 +27,7 @@ NOT_MEASURED = 'Not measured in this run.'
 SUMS = 'COUNTS', 'AIMS', 'STATES', 'VARIED', 'FAILURES', 'RECOVERIES'
 # Variations of the tasks on open floor.
 VARIED = tuple(part for part in PARTS
-               if part not in (OPEN, IN_MAPS, DISTURBED, FAR_ROBOTS, *BASE_PARTS, *EYES_PARTS))
+               if part not in (OPEN, IN_MAPS, DISTURBED, *LIDAR_PARTS, *BASE_PARTS, *EYES_PARTS))
 
 
 def text(jobs: Sequence[Job], records: Sequence[Record], page: str = '') -> str:

@@ -8,12 +8,15 @@ from typing import Optional
 from benchmarks.controller.tables import Job, Record
 from benchmarks.tasks.cases import Case, draw, Tolerance
 from benchmarks.tasks.intervention import Intervention
-from benchmarks.tasks.maps import Floor, object_clearance, robot_clearance
+from benchmarks.tasks.maps import distinct_poses, Floor, object_clearance, robot_clearance
 from benchmarks.tasks.weight import weight_record
 from push_control.task.code_text import code_text
 from push_control.task.status import SupervisorStatus, TaskState
 from push_control.task.supervisor import Supervisor
+from push_model.parameters import PushedObject
 from push_model.plan_request import PlanRequest
+from push_navigation.settings import MapSettings
+from push_scenario.definition.floor_map import FloorMap
 from push_scenario.definition.scenario import Scenario
 from push_scenario.evaluation.corrections import correcting_pushes
 from push_scenario.evaluation.metrics import distance_travelled
@@ -36,6 +39,8 @@ class PlanningClock:
     """
     Measures planning: the CPU time between two measurements with a new plan between them.
 
+    ``longest``: the most CPU time between any two measurements, which refusals count for, too [s].
+
     :param intervention: ``Intervention`` to pass the calls on to, or None.
     """
 
@@ -44,6 +49,7 @@ class PlanningClock:
         self._plan_request: Optional[PlanRequest] = None
         self._since = 0.0
         self.planning: list[float] = []
+        self.longest = 0.0
 
     def __call__(self, simulation: Simulation, supervisor: Supervisor) -> None:
         """
@@ -53,6 +59,8 @@ class PlanningClock:
         :param supervisor: the ``Supervisor``.
         """
         now, plan_request = time.process_time(), supervisor.plan_request
+        if self._since:
+            self.longest = max(self.longest, now - self._since)
         if self._plan_request is not None and plan_request is not self._plan_request:
             self.planning.append(now - self._since)
         if self._intervention is not None:
@@ -80,6 +88,7 @@ def run(job: Job) -> Record:
         'codes': code_text(result.codes),
         'pushes': result.status.pushes, 'recoveries': result.status.recoveries,
         'planning': ' '.join(f'{value:.4f}' for value in clock.planning), 'cpu': cpu,
+        'longest_step': clock.longest,
         **_end(result, case.tolerance), **weight_record(result),
         **_stated(result, result.status, case.tolerance),
         **state_times(result.status, result.duration)}
@@ -90,6 +99,8 @@ def run(job: Job) -> Record:
         record['correction_time'] = corrections.seconds / corrections.pushes
     if case.floor is not None:
         record.update(_clearances(case, case.floor, _tape(result)))
+    elif case.scenario.task is not None and case.scenario.task.map is not None:
+        record.update(_clearances_of_cells(case, case.scenario.task.map, _tape(result)))
     if case.intervention is not None:
         record['moved_in'] = case.intervention.state
     return record
@@ -178,3 +189,13 @@ def _clearances(case: Case, floor: Floor, tape: Tape) -> Record:
     robot, obj = case.scenario.true_robot, case.scenario.true_object
     return {'robot_clearance': robot_clearance(robot, tape.poses('robot'), rectangles),
             'object_clearance': object_clearance(obj, tape.poses('object'), rectangles)}
+
+
+def _clearances_of_cells(case: Case, floor_map: FloorMap, tape: Tape) -> Record:
+    """Find the least clearances from occupied cells; unknown ones are no walls."""
+    occupancy_map = floor_map.read(MapSettings(allow_unknown=True))
+    robot, obj = case.scenario.true_robot, case.scenario.true_object
+    disc = PushedObject(mass=1.0, radius=robot.radius)
+    return {f'{name}_clearance': occupancy_map.object_clearance(
+        body, distinct_poses(tape.poses(name))) for name, body in (('robot', disc),
+                                                                   ('object', obj))}

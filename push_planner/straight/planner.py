@@ -15,9 +15,11 @@ from push_model.parameters import Contact, PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.trajectory import PushStyle, PushTrajectory
 from push_navigation.approach.approach_path import plan_approach
-from push_navigation.map_clearance import PositionUncertainty
+from push_navigation.map_clearance import (
+    map_clearance, MapContext, PositionUncertainty, Shortfall)
 from push_navigation.occupancy_map import OccupancyMap
-from push_navigation.path import NoPathFound, Path, PathFailure
+from push_navigation.path import NoPathFound, Path, PathFailure, sample_path
+from push_navigation.path_planner import CLEARANCE_STEPS
 from push_navigation.settings import DriveSettings
 from push_navigation.speed_profile import travel_time
 from push_planner.problem import check_object_stands, check_robot_is_round, PlanningFailed
@@ -232,3 +234,30 @@ class ApproachPaths:
             return float('inf')
         self._paths[start] = path
         return travel_time(path, self._robot, self._drive, end_speed=self._speed)
+
+    def shortfall(self, start: Pose) -> Shortfall | None:
+        """
+        Find where the path to a start lacks most room for a robot that is as uncertain as this.
+
+        It is the path that a robot would take which knows its position, with the least clearances.
+
+        :param start: robot centre at first contact and direction of motion, object frame.
+        :return: ``Shortfall``; None where also that robot has no path, or it lacks nothing.
+        """
+        request, occupancy_map = self._request, self._map
+        if occupancy_map is None:
+            return None
+        contact = request.object_pose @ start
+        fraction, sigmas = CLEARANCE_STEPS[-1]
+        drive = self._drive.with_clearances(fraction)
+        try:
+            path = plan_approach(self._robot, request.obj, request.object_pose,
+                                 request.robot_pose, contact, drive, occupancy_map=occupancy_map,
+                                 end_speed=self._speed)
+            margins = map_clearance(self._robot, request.robot_pose, contact, drive,
+                                    MapContext(occupancy_map, sigmas=sigmas))
+        except NoPathFound:
+            return None
+        uncertain = MapContext(occupancy_map, self._uncertainty, sigmas)
+        return margins._replace(context=uncertain).shortfall(
+            sample_path(path, self._robot, occupancy_map.resolution))

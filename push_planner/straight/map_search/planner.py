@@ -335,9 +335,7 @@ class _MapPlanner:
         result = first_failure(results)
         if result is None or known.paths.is_too_uncertain:
             if self._needs_certainty(known):
-                _, sigmas = CLEARANCE_STEPS[-1]
-                return known.refusals.too_uncertain(
-                    known.pushes, position_uncertainty(self._request), sigmas)
+                return known.refusals.too_uncertain(known.pushes, known.paths)
         if result is None:
             return known.refusals.no_face(known.pushes, MIN_FRACTION * self._drive.map_clearance)
         if result.end is SearchEnd.EXHAUSTED and result.farthest < SHUT_IN_DISTANCE:

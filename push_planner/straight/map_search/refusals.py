@@ -1,13 +1,11 @@
 """Refusals of tasks in maps: a code for each cause, with the places and numbers behind it."""
 
 from collections.abc import Sequence
-import math
 from typing import Any, NamedTuple
 
 import numpy as np
 from push_model.geometry import BoolArray, Pose
 from push_model.plan_request import PlanFailure
-from push_navigation.map_clearance import PositionUncertainty, WINDING
 from push_navigation.occupancy_map import OccupancyMap
 from push_planner.problem import PlanningFailed
 from push_planner.straight.map_search.dead_ends import STANDOFF
@@ -15,6 +13,7 @@ from push_planner.straight.map_search.object_distance import narrowest_passage
 from push_planner.straight.map_search.pushes import Pushes
 from push_planner.straight.map_search.scene import Scene
 from push_planner.straight.map_search.search import SearchEnd, SearchResult
+from push_planner.straight.planner import ApproachPaths
 
 # A search that has not left this distance has found the object shut in [m].
 SHUT_IN_DISTANCE = 1.0
@@ -62,30 +61,34 @@ class Refusals(NamedTuple):
             f' {passage.width:.2f} m wide, at least {needed:.2f} m needed',
             {'narrow_place': (x, y), 'width': passage.width, 'needed_width': needed})
 
-    def too_uncertain(self, pushes: Pushes, uncertainty: PositionUncertainty,
-                      sigmas: float) -> PlanningFailed:
+    def too_uncertain(self, pushes: Pushes, paths: ApproachPaths) -> PlanningFailed:
         """
-        Name the narrowest passage on the robot's way, and how uncertain its position is there.
+        Name the place that lacks most room on the best way of the robot, and how uncertain it is.
 
-        :param pushes: ``Pushes``, of which the start with the most room counts.
-        :param uncertainty: ``PositionUncertainty`` of the robot.
-        :param sigmas: standard deviations that it keeps clear.
+        :param pushes: ``Pushes``, of which the start with the most room at each face counts.
+        :param paths: ``ApproachPaths`` of the robot.
         """
-        starts = _placed(self.poses.start, pushes.starts[:, :2])
-        widest = int(np.argmax(self.occupancy_map.clearance_in_map_frame(*starts.T)))
-        robot = self.poses.robot
-        passage = narrowest_passage(self.scene.floor, robot[:2], tuple(starts[widest].tolist()))
-        away = math.hypot(passage.x - robot.x, passage.y - robot.y)
-        deviation, = uncertainty.deviations(
-            np.array([WINDING * away]), np.array([away])).tolist()
-        needed = 2.0 * (self.scene.robot_radius + sigmas * deviation)
-        x, y = self._in_world(passage.x, passage.y)
+        text = 'the robot does not know its position well enough on its way to the object'
+        shortfalls = [shortfall for start in self._roomiest_starts(pushes)
+                      if (shortfall := paths.shortfall(start)) is not None]
+        if not shortfalls:
+            return PlanningFailed(PlanFailure.UNCERTAIN_POSITION, text)
+        worst = min(shortfalls, key=lambda place: place.required - place.clearance)
+        width, needed = 2.0 * worst.clearance, 2.0 * worst.required
         return PlanningFailed(
-            PlanFailure.UNCERTAIN_POSITION, 'the robot does not know its position well enough on '
-            f'its way to the object: at {x:.2f} m, {y:.2f} m, where {passage.width:.2f} m are '
-            f'free, its standard deviation is {deviation:.2f} m, so that it needs {needed:.2f} m',
-            {'narrow_place': (x, y), 'width': passage.width, 'needed_width': needed,
-             'position_deviation': deviation})
+            PlanFailure.UNCERTAIN_POSITION, f'{text}: at {worst.x:.2f} m, {worst.y:.2f} m, where '
+            f'{width:.2f} m are free, its standard deviation is {worst.deviation:.2f} m, so that '
+            f'it needs {needed:.2f} m',
+            {'narrow_place': (worst.x, worst.y), 'width': width, 'needed_width': needed,
+             'position_deviation': worst.deviation})
+
+    def _roomiest_starts(self, pushes: Pushes) -> list[Pose]:
+        """List the start with the most room at each face."""
+        room = self.occupancy_map.clearance_in_map_frame(
+            *_placed(self.poses.start, pushes.starts[:, :2]).T)
+        of_faces = (np.flatnonzero(pushes.faces == face) for face in np.unique(pushes.faces))
+        return [Pose(*pushes.starts[indices[np.argmax(room[indices])]].tolist())
+                for indices in of_faces]
 
     def no_face(self, pushes: Pushes, clearance: float) -> PlanningFailed:
         """

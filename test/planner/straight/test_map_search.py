@@ -12,6 +12,7 @@ from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.trajectory import PushStyle
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.path import sample_path
+from push_navigation.path_planner import CLEARANCE_STEPS
 from push_navigation.settings import DriveSettings
 from push_planner.problem import PlanningFailed
 from push_planner.settings import PlannerSettings
@@ -198,6 +199,12 @@ def test_the_robot_comes_from_another_room():
     report = failure.value.report
     assert report['position_deviation'] > 0.05 and report['narrow_place'][0] < -1.5
     assert report['needed_width'] > report['width'] > 2.0 * ROBOT.radius
+    # The numbers are those of the place, and decide there.
+    place = report['narrow_place']
+    assert report['width'] == pytest.approx(2.0 * occupancy_map.clearance([place])[0])
+    _, sigmas = CLEARANCE_STEPS[-1]
+    assert report['needed_width'] == pytest.approx(
+        2.0 * (ROBOT.radius + sigmas * report['position_deviation']), rel=0.02)
 
 
 def test_a_plan_does_not_depend_on_the_frame():
