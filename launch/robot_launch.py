@@ -21,6 +21,7 @@ from launch.substitutions import PathJoinSubstitution
 from launch_ros.actions import Node
 from launch_ros.substitutions import FindPackageShare
 from push_ros.push_interfaces import STATUS
+from push_ros.security_policy import enclave_of
 from push_ros.topics import TOPICS as ALL_TOPICS
 from push_scenario.dds.launch_parameters import launch_parameters, switch, write_parameters
 
@@ -155,11 +156,13 @@ def push_node(executable: str, common: dict[str, Any], parameters: dict[str, Any
     # Of this node alone: that of the middleware drowns everything.
     logger = '.'.join([*filter(None, options['namespace'].split('/')), name])
     level = f'{logger}:={options.pop("log_level")}'
+    enclave = enclave_of(name, options['namespace'])
     own = {'use_sim_time': options.pop('use_sim_time'), **parameters}
     parameters = [*options.pop('parameters'), own]
     ending = {} if options['respawn'] else {'on_exit': Shutdown(reason=f'{executable} has ended')}
     return Node(package='push_control', executable=executable, name=name,
-                parameters=parameters, ros_arguments=['--log-level', level], **options, **ending)
+                parameters=parameters, ros_arguments=['--log-level', level, '--enclave', enclave],
+                **options, **ending)
 
 
 def simulator(given: Arguments, common: dict[str, Any]) -> list[Action]:

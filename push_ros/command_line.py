@@ -46,6 +46,7 @@ SUBCOMMANDS = {
                            'estimate the friction of an object from recorded pushes'),
     'calibrate': Subcommand('push_scenario.calibration.cli',
                             'measure a base, and write its parameters'),
+    'policy': Subcommand('push_ros.security_policy', 'write what each node may do, for SROS2'),
     'cache': Subcommand('push_dynamics.cli', 'show or clear compiled code and tables'),
 }
 # What only the command itself answers.

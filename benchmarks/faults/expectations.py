@@ -108,6 +108,12 @@ ODOMETRY = {
     Word.SLIPPING: Expectation(
         _named(SLIP, ELSEWHERE, WRONG_ODOMETRY), must_stop=False,
         note='wheels that slip show in the next contact alone'),
+    Word.LIFTED: Expectation(
+        _named(ELSEWHERE, PushEvent.OBJECT_DOES_NOT_FOLLOW), must_stop=False,
+        note='wheels count nothing of it: contacts show it'),
+    Word.RESTARTED: Expectation(
+        _named(WRONG_ODOMETRY, TaskEvent.STARTED_OVER, ELSEWHERE), deviation=0.3,
+        note='a robot that stood starts over from where odometry has it'),
     Word.IN_WORLD_AXES: Expectation(
         _named(WRONG_ODOMETRY), must_stop=False,
         note='it shows where the robot drives at an angle to the axes of the world'),

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from push_model.geometry import Pose, wrap_angle
 from push_model.signals import ObjectPose, Odometry, STOP, Twist
+from push_sim_node.plant import Plant
 from push_sim_node.simulation import Measurement, Simulation
 
 
@@ -56,6 +57,10 @@ class Word(enum.Enum):
     INTERMITTENT = 'intermittent'
     # Of odometry: the wheels slip, so that the robot moves half as far as they do.
     SLIPPING = 'slipping'
+    # Of odometry: the robot is lifted and put down 0.6 m away, of which its wheels know nothing.
+    LIFTED = 'lifted'
+    # Of odometry: its driver starts anew, and counts from zero.
+    RESTARTED = 'started anew'
     # The twist of odometry, or what the base takes a command for, is in axes of the world.
     IN_WORLD_AXES = 'in world axes'
     # Somebody else commands the base, too: one command in two is to drive ahead.
@@ -83,8 +88,10 @@ class Word(enum.Enum):
 
 
 # What can be done only to some inputs; all else to anything.
-FURTHER_WORDS = {Word.SLIPPING: 'odometry', Word.IN_WORLD_AXES: 'odometry command',
-                 Word.SHARED: 'command', Word.OUTLIERS: 'pose', Word.NEAR_TIMEOUT: 'pose',
+FURTHER_WORDS = {Word.SLIPPING: 'odometry', Word.LIFTED: 'odometry',
+                 Word.RESTARTED: 'odometry', Word.IN_WORLD_AXES: 'odometry command',
+                 Word.SHARED: 'command', Word.OUTLIERS: 'pose',
+                 Word.NEAR_TIMEOUT: 'pose',
                  Word.OF_ANOTHER_OBJECT: 'pose', Word.MIRRORED: 'pose',
                  Word.OF_THE_ROBOT: 'pose', Word.NOISY: 'pose'}
 # What is done to the base alone.
@@ -147,6 +154,8 @@ BASE_DELAY = 0.3
 SLOW_COUNT = 10
 PERIOD, GAP = 1.0, 0.4
 SLIP_RATIO = 0.5
+# Where the robot is put down that somebody lifts: away from the object, and to the side.
+LIFT = Pose(0.5, 0.3, 1.0)
 OUTLIER_RATIO, OUTLIER_DISTANCE = 0.1, 1.0
 MIN_AGE, MAX_AGE = 0.24, 0.26
 OTHER_OBJECT, OTHER_NOISE = Pose(0.6, 0.0, 0.3), 0.001
@@ -305,6 +314,9 @@ class Injection:
                 if not self._is_active(simulation.time):
                     self._last = measured
                     return self._after_slip(measured)
+                if (self._fault.word is Word.LIFTED and self._slipping is None
+                        and isinstance(measured, Odometry)):
+                    return self._before_lift(measured, simulation.plant)
                 spoilt = self._spoilt_measurement(measured, simulation.time)
                 if spoilt is not None:
                     return spoilt
@@ -330,6 +342,10 @@ class Injection:
             return self._late.popleft()[1] if self._late[0][0] <= time - DELAY else None
         if word is Word.SLIPPING:
             return self._slipped(measured, 1.0 / SLIP_RATIO)
+        if word is Word.RESTARTED and self._slipping is None:
+            self._slipping = measured, measured._replace(pose=Pose(0.0, 0.0, 0.0))
+        if word in (Word.LIFTED, Word.RESTARTED):
+            return self._slipped(measured, 1.0)
         if word is Word.IN_WORLD_AXES:
             return measured._replace(twist=_turned(measured.twist, measured.pose.theta))
         return measured
@@ -364,6 +380,17 @@ class Injection:
     def _after_slip(self, measured: Any) -> Any:
         """Go on from where slipping wheels have led odometry."""
         return measured if self._slipping is None else self._slipped(measured, 1.0)
+
+    def _before_lift(self, measured: Odometry, plant: Plant) -> Odometry:
+        """Put the robot down elsewhere after a measurement, at rest: its wheels do not turn."""
+        before, obj = plant.robot_pose, plant.object_pose
+        outward = math.atan2(before.y - obj.y, before.x - obj.x)
+        x, y = Pose(before.x, before.y, outward).transform(LIFT[:2])
+        after = Pose(x, y, before.theta + LIFT.theta)
+        plant.stand_at(obj, after)
+        moved = measured._replace(pose=measured.pose @ (before.inverse() @ after))
+        self._slipping = moved, measured
+        return measured
 
     def _slipped(self, measured: Odometry, ratio: float) -> Odometry:
         """Measure wheels that turn by a ratio more than the robot moves."""

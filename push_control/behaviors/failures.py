@@ -24,7 +24,7 @@ class BehaviorFailure(Cause):
     WHEELS_SPIN = ('the wheels turn, the object hardly moves: it is too heavy for this robot, or '
                    'blocked')
     OBJECT_UNYIELDING = ('the wheels turn, the object does not move at all: it is too heavy for '
-                         'this robot or blocked, or the object poses are of another object')
+                         'this robot or blocked, or it is not where it seems to be')
     BASE_STALLS = 'the base stalls at the object: it is too heavy for this robot, or blocked'
 
     # During a steered push.

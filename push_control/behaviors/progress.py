@@ -4,6 +4,7 @@ import enum
 import math
 from typing import NamedTuple
 
+from push_control.behaviors.failures import FailureReport
 from push_control.events import no_plan, TaskEvent
 from push_control.goal import TaskFailure
 from push_control.perception.object_at_rest import has_moved, ObjectAtRest
@@ -131,6 +132,7 @@ class ProgressMonitor:
         self._inspections = 0
         self._safety_stops = 0
         self._spins = 0
+        self._last_spin: FailureReport | None = None
         # Whether the wheels have spun at the last push.
         self._has_just_spun = False
         self._unseen_pushes = 0
@@ -188,11 +190,21 @@ class ProgressMonitor:
         self._safety_stops += 1
         return self._safety_stops >= MAX_SAFETY_STOPS
 
-    def count_spin(self) -> bool:
-        """Count a push at which the wheels spun; return whether it is one too many."""
+    def count_spin(self, failure: FailureReport) -> bool:
+        """
+        Count a push at which the wheels spun; return whether it is one too many.
+
+        :param failure: how that has shown.
+        """
         self._spins += 1
+        self._last_spin = failure
         self._has_just_spun = True
         return self._spins >= MAX_SPINS
+
+    @property
+    def last_spin(self) -> FailureReport | None:
+        """How that has shown at the last such push; None where the object has come nearer."""
+        return self._last_spin if self.has_spun else None
 
     @property
     def has_spun(self) -> bool:

@@ -16,6 +16,7 @@ from push_control.behaviors.failures import BehaviorFailure, FailureReport
 from push_control.behaviors.progress import ProgressMonitor
 from push_control.events import TaskEvent
 from push_control.goal import TaskFailure, TaskGoal
+from push_control.perception.object_at_rest import has_moved
 from push_control.perception.object_knowledge import ObjectKnowledge
 from push_control.perception.raw_perception import RawPerception
 from push_control.perception.view import UNSEEN_TIME
@@ -26,7 +27,8 @@ from push_control.task.behavior_factory import BehaviorFactory
 from push_control.task.stand_reasons import StandCause, StandReason, StandReasons
 from push_control.task.state_machine import TaskStateMachine, Transitions
 from push_control.task.status import StateChange, SupervisorStatus, TaskState
-from push_model.events import AnyReport, codes, sentence
+from push_model.events import AnyReport, codes, Report, sentence
+from push_model.geometry import Pose
 from push_model.observation import Observation, Stamps
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectEstimate, STOP, Twist
@@ -76,6 +78,8 @@ class TaskExecution:
         self._behavior: Behavior[Any] = Stand()
         self._goal: TaskGoal | None = None
         self._plan: PushTrajectory | None = None
+        # That localization has started over, until a push has moved the object.
+        self._restart: Report[TaskEvent] | None = None
         # Status of the last push that has ended.
         self._last_push = ControllerStatus()
         self._answer = _Answer()
@@ -202,10 +206,11 @@ class TaskExecution:
             self._enter(TaskState.PLAN, TaskEvent.RELOCATED.report())
         if not starts_over:
             return
+        self._restart = TaskEvent.STARTED_OVER.report()
         if self.state.is_standing:
-            self._machine.note(self._perception.time, TaskEvent.STARTED_OVER.report())
+            self._machine.note(self._perception.time, self._restart)
         else:
-            self._enter(TaskState.PLAN, TaskEvent.STARTED_OVER.report())
+            self._enter(TaskState.PLAN, self._restart)
 
     def _update_stand_reasons(self) -> None:
         """Check the measurements that the behaviour needs."""
@@ -279,15 +284,20 @@ class TaskExecution:
         """Find the state after a behaviour that has ended well."""
         next_state = self._transitions.success
         if self.state is TaskState.PUSH and not next_state.is_final and self._plan is not None:
-            goal = None if self._goal is None else self._goal.pose
-            self._progress.count_finished_push(self._plan, self._perception.object_pose.pose,
-                                               goal)
+            self._count_finished_push(self._plan, self._perception.object_pose.pose)
         if next_state is TaskState.ALIGN and self._is_straight:
             # Such a push finds the contact by itself, without a stop before it.
             return TaskState.PUSH
         if self.state is TaskState.RETREAT and self._perception.has_limited_view:
             return TaskState.LOOK
         return next_state
+
+    def _count_finished_push(self, plan: PushTrajectory, object_pose: Pose) -> None:
+        """Count a push that has ended well; one that has moved the object was where it seemed."""
+        if has_moved(Pose(*plan.object_poses[0].tolist()), object_pose, self._progress.settings):
+            self._restart = None
+        self._progress.count_finished_push(
+            plan, object_pose, None if self._goal is None else self._goal.pose)
 
     def _plans_next_goal(self) -> bool:
         """Plan from rest to a goal that has come during the push; tell whether there is one."""
@@ -302,16 +312,27 @@ class TaskExecution:
     def _end_after_failure(self, failure: FailureReport) -> None:
         """Go on after a failure, unless it has shown that the object is too heavy."""
         if failure.code is BehaviorFailure.OBJECT_NOT_MOVED:
-            # The robot touches it and is too weak, rather than elsewhere: by what is stated, or
-            # has shown before.
-            if self._force_warning or self._progress.has_spun:
-                failure = BehaviorFailure.WHEELS_SPIN.report()
-            elif self._perception.is_object_unyielding:
-                failure = BehaviorFailure.OBJECT_UNYIELDING.report()
-        if failure.code in TOO_WEAK and self._progress.count_spin():
-            self._abort(TaskFailure.TOO_HEAVY, TaskEvent.ABORTED.report(reason=failure))
+            failure = self._explained(failure)
+        if failure.code in TOO_WEAK and self._progress.count_spin(failure):
+            self._abort(TaskFailure.TOO_HEAVY, self._too_heavy_report(failure))
         else:
             self._recover(failure)
+
+    def _explained(self, failure: FailureReport) -> FailureReport:
+        """Tell why an object does not move: the robot touches it and is too weak, or elsewhere."""
+        if self._force_warning:
+            return BehaviorFailure.WHEELS_SPIN.report()
+        if self._perception.is_object_unyielding:
+            return BehaviorFailure.OBJECT_UNYIELDING.report()
+        return self._progress.last_spin or failure
+
+    def _too_heavy_report(self, failure: FailureReport) -> Report[TaskEvent]:
+        """Report an object that is too heavy, or is not where its poses or the robot seem."""
+        cause = TaskEvent.ABORTED.report(reason=failure)
+        inconsistency = self._perception.pose_inconsistency or self._restart
+        if self._force_warning or inconsistency is None:
+            return cause
+        return TaskEvent.ABORTED_INCONSISTENT.report(abort=cause, inconsistency=inconsistency)
 
     def _recover(self, cause: AnyReport, failure: TaskFailure = TaskFailure.PUSH_FAILED) -> None:
         """Count a failure as an attempt, and go to where it leads."""

@@ -111,6 +111,14 @@ def test_a_task_whose_tracker_shows_something_else_is_given_up_and_named(word: W
     assert ': they are of another object or of the robot, mirrored' in found.reason
 
 
+@pytest.mark.parametrize('word, start', [(Word.LIFTED, 2.5), (Word.RESTARTED, 0.5)])
+def test_an_object_for_a_robot_that_is_elsewhere_is_not_only_too_heavy(
+        word: Word, start: float) -> None:
+    """Nobody can tell: both are named."""
+    row = run(Case(TASK, Fault(Input.ODOMETRY, word, start, math.inf)), time_after=40.0)
+    assert row.ending is Ending.FAILED and row.is_ok
+
+
 @pytest.mark.parametrize('scenario', [PUSH, TASK])
 def test_outliers_cost_nothing(scenario):
     """However long there are some."""

@@ -23,6 +23,8 @@ from push_ros.conversions.plan import from_plan_message, plan_failure, to_plan_m
 from push_ros.conversions.plan_request import to_request_message
 from push_ros.conversions.primitives import check_frame, nanoseconds, to_pose_message, to_stamp
 from push_ros.diagnostics import ERROR, status_values, WARN
+from push_ros.push_interfaces import STATUS
+from push_ros.security_policy import permissions_of
 from push_ros.topics import CONTROLLER, PLANNER, SERVICES, SIM, TOPICS
 from push_scenario.definition.catalogue import find_scenario
 from push_scenario.definition.loader import read_scenario
@@ -494,6 +496,22 @@ def wait_for_the_list(b, name, *, has_optional=False):
     # Simulated time comes on the clock.
     b.wait_until(lambda: set(graph(b.node.get_subscriber_names_and_types_by_node)) - {'clock'}
                  == subscribed)
+    check_policy(b.node, name)
+
+
+def check_policy(observer, name):
+    """Compare what a node opens with its policy; some depends on settings and installation."""
+    allowed = permissions_of(name)
+    depends = {'/clock', '/tf', '/tf_static', f'/{STATUS}', '/cmd_vel',
+               *(f'/{topic}' for topic, entry in TOPICS.items() if entry.is_optional)}
+    for names, list_names in (
+            (allowed.publish, observer.get_publisher_names_and_types_by_node),
+            (allowed.subscribe, observer.get_subscriber_names_and_types_by_node),
+            (allowed.reply, observer.get_service_names_and_types_by_node)):
+        absolute = {each if each.startswith('/') else f'/{each}'.replace('/~', f'/{name}')
+                    for each in names}
+        opened = {topic for topic, _ in list_names(name, '/') if '/_action/' not in topic}
+        assert opened <= absolute and absolute - opened <= depends
 
 
 @pytest.mark.parametrize('name, change, text', [

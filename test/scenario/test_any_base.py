@@ -86,6 +86,8 @@ def test_an_object_that_does_not_move_at_all_is_too_heavy(name, ratio, is_stated
     assert result.outcome is Outcome.FAILED
     assert result.status.failure is TaskFailure.TOO_HEAVY
     assert result.duration < 40.0
+    assert {BehaviorFailure.WHEELS_SPIN, BehaviorFailure.OBJECT_UNYIELDING} & set(
+        result.status.codes)
 
 
 def test_the_forces_are_named_before_the_first_push():

@@ -305,13 +305,16 @@ def test_only_a_push_that_ends_well_forgives_wheels_that_have_spun(is_pushed_wel
     """An object that came nearer before they spun may be too heavy all the same."""
     monitor = ProgressMonitor(SUPERVISION, AIM)
     monitor.check_goal(beside_goal(0.5), GOAL)
-    assert not monitor.count_spin()
+    stall = BehaviorFailure.BASE_STALLS.report()
+    assert not monitor.count_spin(stall)
+    assert monitor.last_spin is stall
     if is_pushed_well:
         end = beside_goal(0.3).pose
         monitor.count_finished_push(straight_push(box(), Pose(-0.37, 0.0, 0.0), 0.1), end,
                                     GOAL)
     monitor.check_goal(beside_goal(0.3), GOAL)
-    assert monitor.count_spin() != is_pushed_well
+    assert (monitor.last_spin is None) == is_pushed_well
+    assert monitor.count_spin(stall) != is_pushed_well
 
 
 def test_pushes_that_leave_the_pose_to_the_last_digit_end_a_task():
