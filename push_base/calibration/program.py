@@ -12,7 +12,7 @@ from collections.abc import Callable
 import math
 from typing import NamedTuple
 
-from push_base.calibration.motion_watch import MotionWatch
+from push_base.calibration.motion_watch import MotionWatch, SPEED_RATIO
 from push_base.calibration.recording import (
     Interruption, Purpose, ReceivedOdometry, Recording, SentCommand,
 )
@@ -143,8 +143,9 @@ class CalibrationProgram:
         self._segment_count = 0
         self._segment_start = -math.inf
         self._travel_start = self._pose = Pose(0.0, 0.0, 0.0)
-        # Where the steps of the present block started.
+        # Where the steps of the present block started, and how long they lasted [s].
         self._step_poses: list[Pose] = []
+        self._step_durations: list[float] = []
         self._first_pose: Pose | None = None
         self._velocity = STOP
         self._odometry_arrival = -math.inf
@@ -229,6 +230,8 @@ class CalibrationProgram:
         self.title = 'stops'
 
     def _set_segment(self, segment: Segment, time: float) -> None:
+        if self._segment.purpose is Purpose.STEP:
+            self._step_durations.append(time - self._segment_start)
         self._segment, self._segment_start = segment, time
         self._travel_start = self._pose
         self._segment_count += 1
@@ -267,6 +270,7 @@ class CalibrationProgram:
         block = self._blocks[self._block_index]
         self.title = block.title
         self._step_poses.clear()
+        self._step_durations.clear()
         self._segments.extend((*self._return_to(block.start), *block.segments))
 
     def _start_next_touch(self, time: float) -> None:
@@ -278,18 +282,26 @@ class CalibrationProgram:
             self._end(time)
 
     def _motion_fault(self, segment: Segment) -> Interruption | None:
-        """Compare what the first segment of a block moved the robot by with what it should."""
-        expected = segment.duration * (segment.twist.omega or segment.twist.v_x)
+        """
+        Compare what the first segment of a block moved the robot by with what it should.
+
+        A segment that the square ended early should have moved it by less.
+        """
         if len(self._step_poses) < 2:
             return Interruption.NO_MOTION
-        moved = self._step_poses[0].inverse() @ self._step_poses[1]
         is_turn = segment.twist.omega != 0.0
+        speed = segment.twist.omega if is_turn else segment.twist.v_x
+        expected = self._step_durations[0] * speed
+        moved = self._step_poses[0].inverse() @ self._step_poses[1]
         amount = abs(moved.theta) if is_turn else math.hypot(moved.x, moved.y)
         if amount < MIN_MOVED_RATIO * abs(expected):
             return Interruption.NO_MOTION
         along = moved.theta if is_turn else moved.x
-        return None if along * expected > 0.5 * amount * abs(expected) else (
-            Interruption.WRONG_MOTION)
+        if along * expected <= 0.5 * amount * abs(expected):
+            return Interruption.WRONG_MOTION
+        is_too_short = amount < MIN_MOVED_RATIO * segment.duration * abs(speed)
+        is_too_fast = amount > SPEED_RATIO * abs(expected)
+        return Interruption.RUNAWAY if is_too_short and is_too_fast else None
 
     def _may_go_on(self, twist: Twist) -> bool:
         """Tell whether the robot could still stop within the square, where it is to stay there."""

@@ -53,6 +53,14 @@ def test_a_base_that_moves_the_other_way_ends_the_calibration() -> None:
     assert reason is Interruption.WRONG_MOTION and distance < 0.3
 
 
+@pytest.mark.parametrize('drive', ['differential', 'holonomic'])
+@pytest.mark.parametrize('gain', [1.5, 2.5])
+def test_a_base_too_fast_for_the_square_is_said_to_be_too_fast(drive: str, gain: float) -> None:
+    """Though the square stops it before it has moved by what commands ask for."""
+    distance, reason = calibrated(drive, gain, 0.0)
+    assert reason is Interruption.RUNAWAY and distance < 0.1
+
+
 def test_a_base_that_does_not_move_ends_the_calibration() -> None:
     """Odometry comes, and says so."""
     robot = RoundRobot(radius=RADIUS, max_speed=0.5, max_acceleration=0.9)
