@@ -53,9 +53,9 @@ def pytest_xdist_setupnodes() -> None:
     numba = find_spec('numba')
     if numba is None or numba.cached is None or Path(numba.cached).exists():
         return
-    readers = [subprocess.Popen([sys.executable, '-m', 'pytest', '-q', '--collect-only', *part],
-                                cwd=ROOT, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-                                stderr=subprocess.DEVNULL)
+    command = [sys.executable, '-m', 'pytest', '-q', '-p', 'no:xdist', '--collect-only']
+    readers = [subprocess.Popen([*command, *part], cwd=ROOT, stdin=subprocess.DEVNULL,
+                                stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
                for part in PARTS]
     # What they fail at fails again where it is seen.
     for reader in readers:

@@ -1,5 +1,6 @@
 """What a node waits for is named within two seconds: each node alone, over Fast DDS."""
 
+from pathlib import Path
 from types import SimpleNamespace
 
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped, TwistStamped
@@ -123,8 +124,13 @@ def test_a_wait_is_named_in_time_and_not_before(monkeypatch: pytest.MonkeyPatch)
 
 
 @pytest.mark.parametrize('topic, task', [('odom', False), ('object_pose', True)])
-def test_a_misspelt_topic_is_named_with_what_may_be_meant(tmp_path, topic, task):
-    """Since when, and that nobody publishes it; with the next message that is over."""
+def test_a_misspelt_topic_and_an_absent_planner_are_named(tmp_path: Path, topic: str,
+                                                          task: bool) -> None:
+    """
+    Since when, and that nobody publishes it; with the next message that is over.
+
+    What may be meant is named. A planner is missed from a second after the request on.
+    """
     with controller(tmp_path, task=task) as b:
         robot = Robot(b, **{topic: f'{topic}s'})
         values = robot.wait_for_inputs(f'waits for /{topic}: 0 publishers', f'/{topic}s would')
@@ -132,6 +138,10 @@ def test_a_misspelt_topic_is_named_with_what_may_be_meant(tmp_path, topic, task)
         assert values[f'{topic}.publishers'] == '0'
         robot.measure_on('odom', 'object_pose')
         b.wait_until(lambda: robot.statuses(INPUTS)[-1].level == OK)
+        robot.give_goal()
+        b.wait_until(lambda: b.received['push_request'])
+        values = robot.wait_for_inputs('waits for /push_plan: 0 publishers')
+        assert float(values['push_plan.since']) >= REPORT_TIME
     log = (tmp_path / f'{CONTROLLER}.log').read_text()
     assert log.count(f'waits for /{topic}: 0 publishers; /{topic}s would have') == 1
 
@@ -168,17 +178,6 @@ def test_a_task_that_needs_a_map_stands_and_names_it(tmp_path):
         b.wait_until(lambda: any('no map has come' in status.message
                                  for status in robot.statuses(CONTROLLER)))
         assert not b.received['push_request']
-
-
-@pytest.mark.parametrize('task', [False, True])
-def test_a_planner_that_is_absent_is_named(tmp_path, task):
-    """From a second after the request on, in a single push and in a task."""
-    with controller(tmp_path, task=task) as b:
-        robot = Robot(b)
-        robot.give_goal()
-        b.wait_until(lambda: b.received['push_request'])
-        values = robot.wait_for_inputs('waits for /push_plan: 0 publishers')
-        assert float(values['push_plan.since']) >= REPORT_TIME
 
 
 def test_a_single_push_ends_where_the_planner_does_not_answer(tmp_path):
