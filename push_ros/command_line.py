@@ -39,6 +39,7 @@ class Subcommand(NamedTuple):
 
 SUBCOMMANDS = {
     'replay': Subcommand('push_scenario.cli', 'run scenarios, evaluate and draw them'),
+    'tidy': Subcommand('push_scenario.tidying.cli', 'bring several objects to their goals'),
     'play': Subcommand('push_view.cli', 'open a page on which you play with a simulation'),
     'view': Subcommand('push_view.view_node', 'serve a page that shows your robot'),
     'study': Subcommand('studies.__main__', 'compute the figures of the thesis, in a checkout'),

@@ -47,7 +47,7 @@ def read_scenario(path: str | Path) -> Scenario:
     :raises ParameterFileError: naming file and key, what came and what was expected.
     """
     path = Path(path)
-    return _scenario(load_yaml(path), path.stem, Location(path), path.parent)
+    return scenario_from_mapping(load_yaml(path), path.stem, Location(path), path.parent)
 
 
 def scenario_from_text(text: str, name: str, source: str = 'scenario') -> Scenario:
@@ -59,7 +59,7 @@ def scenario_from_text(text: str, name: str, source: str = 'scenario') -> Scenar
     :param source: name of the text in errors.
     :raises ParameterFileError: naming the key, what came and what was expected.
     """
-    return _scenario(parse_yaml(text, source), name, Location(source), None)
+    return scenario_from_mapping(parse_yaml(text, source), name, Location(source), None)
 
 
 def scenario_text(scenario: Scenario) -> str:
@@ -93,8 +93,16 @@ def with_map(scenario: Scenario, path: str | Path) -> Scenario:
     return dataclasses.replace(scenario, task=dataclasses.replace(task, map=floor_map))
 
 
-def _scenario(data: dict[str, Any], name: str, at: Location, directory: Path | None) -> Scenario:
-    """Make a scenario; ``directory`` is where the files that it names are looked for first."""
+def scenario_from_mapping(data: dict[str, Any], name: str, at: Location,
+                          directory: Path | None) -> Scenario:
+    """
+    Make a scenario of the mapping that a file holds.
+
+    :param name: of the scenario.
+    :param at: where the mapping stands, for errors.
+    :param directory: where the files that it names are looked for first; None for the package.
+    :raises ParameterFileError: naming the key, what came and what was expected.
+    """
     data = dict(data)
     if 'name' in data:
         raise at.key('name').error(f'got {data["name"]!r}, expected no such key: a scenario has '

@@ -1,0 +1,109 @@
+"""Objects that stand while another is pushed: obstacles of the map, and walls of the plant."""
+
+import dataclasses
+import math
+from typing import NamedTuple, Sequence
+
+import numpy as np
+from push_dynamics.walls import Wall
+from push_model.geometry import FloatArray, Pose
+from push_model.parameters import PushedObject
+from push_navigation.settings import MapSettings
+from push_planner.rearrangement.footprints import distances_to_object, placed_points
+from push_scenario.definition.floor_map import FloorMap, FREE, OCCUPIED, UNKNOWN
+from push_sim_node.tape import Tape
+
+# Sides of the walls round a disc; chosen: they are within 1 % of its radius.
+DISC_SIDES = 16
+# Gap below which two bodies touch [m]; chosen: the accuracy of the plant at walls.
+TOUCH_GAP = 1e-3
+
+
+class StandingObject(NamedTuple):
+    """
+    An object that stands.
+
+    :param obj: the ``PushedObject``.
+    :param pose: ``Pose`` in the world.
+    """
+
+    obj: PushedObject
+    pose: Pose
+
+
+def with_obstacles(floor: FloorMap, reading: MapSettings, standing: Sequence[StandingObject],
+                   margin: float) -> FloorMap:
+    """
+    Draw objects into a map, as cells that are no walls.
+
+    :param reading: what is an obstacle; unknown cells that are none become free.
+    :param standing: where they are measured.
+    :param margin: uncertainty of their outlines [m].
+    """
+    cells = np.array(floor.characters)
+    if reading.allow_unknown:
+        cells[cells == ord(UNKNOWN)] = ord(FREE)
+    rows, columns = np.indices(cells.shape).reshape(2, -1)
+    centers: FloatArray = np.asarray(
+        floor.resolution * np.stack((columns + 0.5, rows + 0.5), axis=1), dtype=np.float64)
+    to_map = floor.origin.pose.inverse()
+    for obj, pose in standing:
+        is_near = distances_to_object(centers, obj, to_map @ pose) < (
+            margin + 0.5 * floor.resolution)
+        is_object = is_near.reshape(cells.shape) & (cells != ord(OCCUPIED))
+        cells[is_object] = ord(UNKNOWN)
+    lines = (row.tobytes().decode('ascii') for row in cells[::-1])
+    return dataclasses.replace(floor, rows='\n'.join(lines))
+
+
+def outline_walls(standing: StandingObject) -> list[Wall]:
+    """Return walls along the outline of an object."""
+    obj, pose = standing
+    if obj.outline:
+        vertices = np.array(obj.outline)
+    else:
+        angles = np.arange(DISC_SIDES) * (2.0 * math.pi / DISC_SIDES)
+        vertices = obj.radius * np.stack((np.cos(angles), np.sin(angles)), axis=1)
+    points = placed_points(vertices, pose).tolist()
+    return [Wall(*start, *end) for start, end in zip(points, points[1:] + points[:1])]
+
+
+def least_gap(tape: Tape, obj: PushedObject, robot_radius: float,
+              standing: StandingObject) -> float:
+    """
+    Find the least gap of robot or pushed object to one that stands [m].
+
+    :param obj: the object that is pushed.
+    """
+    robot = tape.poses('robot')[:, :2]
+    gaps = [distances_to_object(robot, standing.obj, standing.pose).min() - robot_radius]
+    poses = tape.poses('object')
+    gaps.append(_gap_of_corners(obj, poses, standing.obj, standing.pose))
+    gaps.append(_gap_to_corners(obj, poses, standing.obj, standing.pose))
+    return float(min(gaps))
+
+
+def _corners(obj: PushedObject) -> tuple[FloatArray, float]:
+    return np.array(obj.outline or ((0.0, 0.0),)), 0.0 if obj.outline else obj.radius
+
+
+def _gap_of_corners(obj: PushedObject, poses: FloatArray, other: PushedObject,
+                    other_pose: Pose) -> float:
+    """Measure how near corners of a moving object come to one that stands [m]."""
+    corners, radius = _corners(obj)
+    c, s = np.cos(poses[:, 2, None]), np.sin(poses[:, 2, None])
+    points = np.stack((poses[:, 0, None] + c * corners[:, 0] - s * corners[:, 1],
+                       poses[:, 1, None] + s * corners[:, 0] + c * corners[:, 1]), axis=2)
+    return float(distances_to_object(points.reshape(-1, 2), other, other_pose).min()) - radius
+
+
+def _gap_to_corners(obj: PushedObject, poses: FloatArray, other: PushedObject,
+                    other_pose: Pose) -> float:
+    """Measure how near a moving object comes to corners of one that stands [m]."""
+    corners, radius = _corners(other)
+    points = placed_points(corners, other_pose)
+    c, s = np.cos(poses[:, 2, None]), np.sin(poses[:, 2, None])
+    d_x, d_y = points[:, 0] - poses[:, 0, None], points[:, 1] - poses[:, 1, None]
+    local = np.stack((c * d_x + s * d_y, c * d_y - s * d_x), axis=2)
+    return float(distances_to_object(local.reshape(-1, 2), obj,
+                                     Pose(0.0, 0.0, 0.0)).min()) - radius

@@ -1,0 +1,250 @@
+"""
+Bring several objects to their goals in one process.
+
+After each move the order is planned from where all objects are measured then. The others are
+obstacles of the map that robot and planner read, and walls of the plant. A move that fails is not
+the next one; an object whose moves fail too often is given up.
+"""
+
+from collections import Counter
+from collections.abc import Callable
+import dataclasses
+import math
+from typing import NamedTuple
+
+import numpy as np
+from push_model.events import Report
+from push_model.geometry import distance, Pose, wrap_angle
+from push_model.plan_request import GoalTolerances
+from push_planner.rearrangement.order import plan_order
+from push_planner.rearrangement.problem import (
+    Move, NamedObject, ObjectFailure, OrderPlan, Rearrangement)
+from push_scenario.definition.placement import Placement
+from push_scenario.definition.scenario import Scenario, Start
+from push_scenario.simulation.loop import ProgressCallback, simulate
+from push_scenario.simulation.result import Outcome, RunResult
+from push_scenario.tidying.room import Room
+from push_scenario.tidying.standing_objects import (
+    least_gap, outline_walls, StandingObject, TOUCH_GAP, with_obstacles)
+
+# Moves of one object that may fail, and moves in all for each object; chosen.
+MAX_FAILURES = 3
+MAX_MOVES_PER_OBJECT = 4
+# Standard deviations of a measured pose that its obstacle is wider; chosen.
+MARGIN_SIGMAS = 2.0
+# Measurements that a pose at rest is the mean of; chosen: half a second.
+MEAN_COUNT = 10
+
+
+class MoveResult(NamedTuple):
+    """
+    A move that was made.
+
+    :param move: the ``Move``.
+    :param run: ``RunResult`` of its pushes.
+    :param touched: names of standing objects that robot or pushed object touched.
+    """
+
+    move: Move
+    run: RunResult
+    touched: tuple[str, ...]
+
+
+class TidyProgress(NamedTuple):
+    """
+    Progress of a room.
+
+    :param plan: ``OrderPlan`` of what remains; its first move is made now.
+    :param placed: number of objects at their goals.
+    :param goals: number of objects that have one.
+    """
+
+    plan: OrderPlan
+    placed: int
+    goals: int
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class TidyResult:
+    """
+    How a room ended.
+
+    :param room: the ``Room``.
+    :param moves: ``MoveResult`` of each move.
+    :param poses: true ``Pose`` of each object at the end, by name.
+    :param robot_pose: true ``Pose`` of the robot at the end.
+    :param failures: why an object is not at its goal, by name.
+    """
+
+    room: Room
+    moves: tuple[MoveResult, ...]
+    poses: dict[str, Pose]
+    robot_pose: Pose
+    failures: dict[str, Report[ObjectFailure]]
+
+    @property
+    def duration(self) -> float:
+        """Simulated time of all moves [s]."""
+        return sum(move.run.duration for move in self.moves)
+
+    @property
+    def touches(self) -> int:
+        """Number of times that something touched a standing object in a move."""
+        return sum(len(move.touched) for move in self.moves)
+
+    def errors(self, name: str) -> tuple[float, float]:
+        """Return the true distance [m] and rotation [rad] of an object from its goal."""
+        pose, goal = self.poses[name], self.room.scenarios[name].goal.pose
+        return distance(pose, goal), abs(wrap_angle(pose.theta - goal.theta))
+
+    def is_placed(self, name: str) -> bool:
+        """Tell whether an object is within the bounds of its goal, or has none."""
+        if name in self.room.without_goal:
+            return True
+        position, heading = self.errors(name)
+        scenario = self.room.scenarios[name]
+        return position <= scenario.bounds.position_error and (
+            not scenario.object.outline or heading <= scenario.bounds.heading_error)
+
+
+OrderPlanner = Callable[[Rearrangement], OrderPlan]
+
+
+def tidy(room: Room, *, progress: Callable[[TidyProgress], None] | None = None,
+         run_progress: ProgressCallback | None = None, find_order: OrderPlanner = plan_order,
+         after_move: Callable[[MoveResult], None] | None = None) -> TidyResult:
+    """
+    Bring the objects of a room to their goals, as many as possible.
+
+    :param progress: called before each move.
+    :param run_progress: called with the ``Progress`` of each measurement.
+    :param find_order: plans the order.
+    :param after_move: called with each ``MoveResult``.
+    """
+    run = _TidyRun(room, find_order)
+    while True:
+        plan = run.next_plan()
+        if progress is not None:
+            progress(TidyProgress(plan, len(room.scenarios) - len(room.without_goal)
+                                  - len(run.unplaced), len(room.scenarios)
+                                  - len(room.without_goal)))
+        if not plan.moves or run.is_spent:
+            return run.result(plan)
+        result = run.make(plan.moves[0], run_progress)
+        if after_move is not None:
+            after_move(result)
+
+
+class _TidyRun:
+    """Objects of a room, and what has been done with them."""
+
+    def __init__(self, room: Room, find_order: OrderPlanner) -> None:
+        self._room = room
+        self._find_order = find_order
+        self._rng = np.random.default_rng(room.any_scenario.simulation.seed)
+        self._poses = {name: item.start.object.pose for name, item in room.scenarios.items()}
+        self._robot_pose = room.any_scenario.robot_start
+        self._measured = self._measure()
+        self._moves: list[MoveResult] = []
+        self._failed: Counter[str] = Counter()
+        self._refused: frozenset[tuple[str, Pose]] = frozenset()
+        self._given_up: dict[str, Report[ObjectFailure]] = {}
+
+    @property
+    def is_spent(self) -> bool:
+        """Whether more moves would not help."""
+        return len(self._moves) >= MAX_MOVES_PER_OBJECT * len(self._poses)
+
+    @property
+    def unplaced(self) -> list[str]:
+        """Names of objects that are measured outside the bounds of their goals."""
+        return [item.name for item in self._objects() if not item.is_at_goal]
+
+    def next_plan(self) -> OrderPlan:
+        """Plan the order from where all are."""
+        scenario, task = self._room.any_scenario, self._room.task
+        return self._find_order(Rearrangement(
+            tuple(self._objects()), scenario.robot, self._robot_pose,
+            self._room.floor_map.read(task.map_reading), task.drive, self._refused))
+
+    def make(self, move: Move, progress: ProgressCallback | None) -> MoveResult:
+        """Make a move, and measure where all are then."""
+        scenario = self._scenario_of(move)
+        run = simulate(scenario, progress=progress)
+        touched: tuple[str, ...] = ()
+        if run.tape is not None:
+            touched = tuple(
+                name for name, pose in self._poses.items() if name != move.name and least_gap(
+                    run.tape, scenario.true_object, scenario.robot.radius,
+                    StandingObject(self._room.scenarios[name].true_object, pose)) < TOUCH_GAP)
+            self._poses[move.name] = Pose(*run.tape.poses('object')[-1].tolist())
+            self._robot_pose = Pose(*run.tape.poses('robot')[-1].tolist())
+        result = MoveResult(move, run, touched)
+        self._moves.append(result)
+        if run.outcome is Outcome.DONE:
+            self._refused = frozenset()
+        else:
+            self._note_failure(move, run)
+        self._measured = self._measure()
+        return result
+
+    def result(self, plan: OrderPlan) -> TidyResult:
+        """
+        Sum up.
+
+        :param plan: that has no move left.
+        """
+        failures = {**plan.refusals, **self._given_up}
+        return TidyResult(self._room, tuple(self._moves), dict(self._poses), self._robot_pose,
+                          failures)
+
+    def _note_failure(self, move: Move, run: RunResult) -> None:
+        self._refused |= {(move.name, move.end)}
+        self._failed[move.name] += 1
+        if self._failed[move.name] >= MAX_FAILURES:
+            self._given_up[move.name] = ObjectFailure.PUSHES_FAILED.report(reason=run.reason)
+
+    def _measure(self) -> dict[str, Pose]:
+        """Measure all objects at rest."""
+        sensors = self._room.any_scenario.sensors
+        scale = 1.0 / math.sqrt(MEAN_COUNT)
+        deviations = scale * np.array([sensors.pose_noise, sensors.pose_noise,
+                                       sensors.pose_heading_noise])
+        return {name: Pose(*(np.array(pose) + deviations * self._rng.standard_normal(3)).tolist())
+                for name, pose in self._poses.items()}
+
+    def _objects(self) -> list[NamedObject]:
+        """List all objects as they are measured; those that are given up have no goal."""
+        objects: list[NamedObject] = []
+        for name, scenario in self._room.scenarios.items():
+            has_goal = name not in self._room.without_goal and name not in self._given_up
+            bounds = scenario.bounds
+            tolerances = GoalTolerances(
+                bounds.position_error,
+                bounds.heading_error if scenario.object.outline else math.pi)
+            objects.append(NamedObject(name, scenario.object, self._measured[name],
+                                       scenario.goal.pose if has_goal else None, tolerances))
+        return objects
+
+    def _scenario_of(self, move: Move) -> Scenario:
+        """Make the scenario of one move: the others are obstacles, and walls of the plant."""
+        room = self._room
+        scenario = room.scenarios[move.name]
+        others = [name for name in self._poses if name != move.name]
+        margin = MARGIN_SIGMAS * scenario.sensors.pose_noise
+        floor = with_obstacles(
+            room.floor_map, room.task.map_reading,
+            [StandingObject(room.scenarios[name].object, self._measured[name])
+             for name in others], margin)
+        reading = dataclasses.replace(room.task.map_reading, allow_unknown=False)
+        walls = [wall for name in others for wall in outline_walls(
+            StandingObject(room.scenarios[name].true_object, self._poses[name]))]
+        simulation = dataclasses.replace(
+            scenario.simulation, walls=(*scenario.simulation.walls, *walls),
+            seed=scenario.simulation.seed + len(self._moves))
+        return dataclasses.replace(
+            scenario, name=f'{room.name}, {move.name}', simulation=simulation,
+            task=dataclasses.replace(room.task, map=floor, map_reading=reading),
+            start=Start(object=Placement(*self._poses[move.name]),
+                        robot=Placement(*self._robot_pose)),
+            goal=Placement(*move.end))
