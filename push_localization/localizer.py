@@ -19,7 +19,9 @@ import numpy as np
 from push_localization.fusion import fused_covariance, lasting_correction
 from push_localization.matching import Match, placed, Prior, ScanMatcher
 from push_localization.object_beams import sees_object
-from push_localization.scan_points import LidarMount, MotionBuffer, scan_points, ScanPoints
+from push_localization.scan_points import (
+    LidarMount, MotionBuffer, scan_points, ScanPoints, UnexplainedPoints,
+)
 from push_localization.search import likelihood, search, SearchRange, start_range
 from push_localization.settings import PlaceSettings
 from push_localization.wall_field import WallField
@@ -45,6 +47,9 @@ MIN_FIT, MAX_MISFITS, SEARCH_PERIOD = 0.55, 10, 1.0
 LOST_RANGE = SearchRange(1.0, math.radians(50.0))
 REGAINED_STDS = 0.1, 0.1, math.radians(5.0)
 MIN_LIKELIHOOD, MIN_GAIN = 0.7, 0.2
+# Distance from walls beyond which a beam ends at something else [m]; chosen: three times what
+# walls, ranges and the place of the robot err by.
+UNEXPLAINED_DISTANCE = 0.2
 # Scans over which the fit is averaged; chosen: five seconds, in which a robot turns.
 FIT_COUNT = 50
 # Standard deviations of a lost robot, before which no place is likelier [m], [rad].
@@ -80,8 +85,14 @@ class LidarLocalizer:
         self._time = -math.inf
         self._has_started = False
         self._misfits = 0
+        self._unexplained: UnexplainedPoints | None = None
         self._fits: deque[float] = deque(maxlen=FIT_COUNT)
         self._searched_at = -math.inf
+
+    @property
+    def unexplained(self) -> UnexplainedPoints | None:
+        """``UnexplainedPoints`` of the newest scan that was matched; None before the first."""
+        return self._unexplained
 
     @property
     def mean_fit(self) -> float | None:
@@ -229,6 +240,9 @@ class LidarLocalizer:
             self._place(elsewhere)
         else:
             self._fuse(prior, match)
+        ends = matcher.field.sample(placed(points.points, self._state[:3])).distances
+        self._unexplained = UnexplainedPoints(
+            points.time, points.points[ends > UNEXPLAINED_DISTANCE])
         return RobotPlace(self._time, Pose(*self._state[:3].tolist()),
                           PoseCovariance.from_matrix(self._covariance[:3, :3]), status)
 

@@ -51,6 +51,18 @@ class ScanPoints(NamedTuple):
                           self.spacings[is_used])
 
 
+class UnexplainedPoints(NamedTuple):
+    """
+    What a scan shows that is neither a wall of the map nor the pushed object.
+
+    :param time: of the scan [s].
+    :param points: (x, y) in the frame of the robot, shape (n, 2) [m].
+    """
+
+    time: float
+    points: FloatArray
+
+
 class MotionBuffer:
     """
     Odometry of the last moments.

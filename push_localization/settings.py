@@ -55,6 +55,17 @@ class PlaceSettings:
     min_heading_std: float = quantity("least std of the heading of another localization's poses, "
                                       'which are often surer than they may be', 'rad', 0.0, 1.0,
                                       is_dynamic=False, default=0.01)
+    slow_distance: float = quantity(
+        'distance of the hull from what scans show in neither map nor object, within which the '
+        'robot is slow; 0: scans neither slow nor stop it', 'm', 0.0, 10.0, is_dynamic=False,
+        default=0.0)
+    slow_speed: float = quantity('its speed then', 'm/s', above=0.0, high=1.0, is_dynamic=False,
+                                 default=0.08)
+    stop_distance: float = quantity('the same distance on the way of the robot, within which it '
+                                    'stands', 'm', 0.0, 10.0, is_dynamic=False, default=0.5)
+    restart_time: float = quantity(
+        'time for which the way has to be clear before it goes on', 's', 0.0, 1e6,
+        is_dynamic=False, default=2.0)
 
     def __post_init__(self) -> None:
         """Validate the fields."""

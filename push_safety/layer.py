@@ -62,6 +62,7 @@ class SafetyLayer:
     node refuses messages by their stamps before that, with ``StampCheck``.
 
     ``other_commanders``: names of those who may command the base, too; empty for nobody.
+    ``speed_limit``: greatest speed for now, below that of the robot [m/s].
     """
 
     def __init__(self, robot: RoundRobot, obj: PushedObject, *, heading_count: int = 0,
@@ -88,6 +89,7 @@ class SafetyLayer:
         self._moving_knowledge = self._identifier.knowledge
         self._stop = SafetyStop(standstill_limit)
         self.other_commanders = ''
+        self.speed_limit = math.inf
         self.reset()
 
     def reset(self) -> None:
@@ -294,7 +296,7 @@ class SafetyLayer:
             allowed = STOP
             self._ramp.reset()
         # Pulses that are slowed down would not move the base: what is desired is slowed down.
-        ratio = self._speed_ratio(time)
+        ratio = min(self._speed_ratio(time), self._limit_ratio(allowed))
         if ratio < 1.0:
             allowed = Twist(*(ratio * value for value in allowed))
         allowed = compensated(allowed, self._robot, self._identifier.knowledge)
@@ -307,6 +309,11 @@ class SafetyLayer:
         self._identifier.add_command(sent, self._odometry_time(time))
         self._odometry_check.add_command(sent, time)
         return sent
+
+    def _limit_ratio(self, command: Twist) -> float:
+        """Part of a command that keeps below the speed limit, on the same arc."""
+        speed = math.hypot(command.v_x, command.v_y)
+        return min(1.0, self.speed_limit / speed) if speed > 0.0 else 1.0
 
     def _speed_ratio(self, time: float) -> float:
         """Part of its speed that a robot keeps whose odometry has not come for a while."""

@@ -87,6 +87,7 @@ class Lidar:
         self._walls = np.array([(wall.start_x, wall.start_y, wall.end_x, wall.end_y)
                                 for wall in walls]).reshape(-1, 4)
         self._noise = noise
+        self._visitor: FloatArray = np.zeros((0, 4))
         self._poses: list[BodyPoses] = []
 
     @property
@@ -105,6 +106,14 @@ class Lidar:
         while len(self._poses) > 1 and self._poses[1].time < oldest:
             del self._poses[0]
 
+    def show(self, outline: FloatArray) -> None:
+        """
+        Let something stand or walk about that no map has.
+
+        :param outline: its corners (x, y), shape (k, 2) [m]; in place of those of before.
+        """
+        self._visitor = np.concatenate((outline, np.roll(outline, -1, axis=0)), axis=1)
+
     def measure(self, time: float) -> LidarScan:
         """
         Measure a scan that is over by now.
@@ -120,7 +129,8 @@ class Lidar:
         lenses = robots[:, :2] + _rotated(np.array([settings.mount[:2]]), robots[:, 2])
         angles = robots[:, 2] + settings.mount_heading - math.pi + increment * index
         rays = np.stack((np.cos(angles), np.sin(angles)), axis=1)
-        ranges = distances_to_segments(lenses, rays, self._near_walls(lenses))
+        ranges = distances_to_segments(
+            lenses, rays, np.concatenate((self._near_walls(lenses), self._visitor)))
         if settings.sees_object:
             ranges = np.minimum(ranges, self._distances_to_object(lenses, rays, objects))
         return LidarScan(time, _single(self._measured(ranges)), *_single(np.array((

@@ -263,6 +263,15 @@ class Simulation:
     def _make_camera(self) -> Camera:
         return Camera(self.sensors.camera, self.obj, self.robot.radius)
 
+    def show_visitor(self, outline: FloatArray) -> None:
+        """
+        Let the lidar see something that no map has, and that neither robot nor object touches.
+
+        :param outline: as of ``Lidar.show``.
+        """
+        if self._lidar is not None:
+            self._lidar.show(outline)
+
     def _make_lidar(self) -> Lidar | None:
         """Make the lidar, whose errors have a stream of their own; None where there is none."""
         if self.sensors.lidar.rate == 0.0:

@@ -243,6 +243,9 @@ class ActiveController:
         observation = self._latest.observation
         if observation is None:
             return STOP
+        protection = self._placing.protection(observation.odometry)
+        self._gate.limit_speed(protection.speed_limit)
+        self.pursuit.protect(protection.report)
         return self._gate.guard(self.pursuit, observation._replace(place=self._placing.newest), dt)
 
     def _send(self, command: Twist, stamp: Time) -> None:

@@ -183,6 +183,14 @@ class CommandGate:
         """Set under way for how long the base may stand."""
         self._layer.standstill_limit = control.standstill_limit
 
+    def limit_speed(self, limit: float) -> None:
+        """
+        Limit the speed for now.
+
+        :param limit: greatest speed [m/s]; infinite for none.
+        """
+        self._layer.speed_limit = limit
+
     def set_object(self, obj: PushedObject) -> None:
         """Expect poses of another object."""
         self._layer.set_object(obj)

@@ -55,6 +55,7 @@ class GoalPursuit:
         options = parameters.options
         self._options = options
         self._placing = placing
+        self._protective_report: AnyReport | None = None
         self._parameters = parameters
         self._logger = node.get_logger()
         self.start_state = StartState.first(waits=options.wait_for_start)
@@ -308,11 +309,21 @@ class GoalPursuit:
         self._floor.refuse(reason)
         self._hold_without_map()
 
+    def protect(self, report: AnyReport | None) -> None:
+        """
+        Let the robot stand while a scan shows something in the way.
+
+        :param report: ``Report`` of that; None where the way is clear.
+        """
+        if report is not self._protective_report:
+            self._protective_report = report
+            self._hold_without_map()
+
     def _hold_without_map(self) -> None:
-        """Let the robot stand while a map cannot be relied on."""
+        """Let the robot stand while a map cannot be relied on, or something is in the way."""
         fault = self._floor.fault
-        self._supervisor.hold(
-            TaskEvent.NO_USABLE_MAP.report(map_fault=fault) if fault else None)
+        self._supervisor.hold(TaskEvent.NO_USABLE_MAP.report(map_fault=fault) if fault
+                              else self._protective_report)
 
     def _take_map(self) -> None:
         """Use a map that was read."""

@@ -16,6 +16,7 @@ from push_ros.conversions.lidar import from_place_message, from_scan_message
 from push_ros.conversions.map import map_origin
 from push_ros.conversions.primitives import MAX_TILT, MessageRefused
 from push_ros.transforms.world import WorldFrame
+from push_safety.protective_field import Protection, ProtectiveField
 
 
 # Mean fit of scans below which they are of another map, or much has changed; measured: 0.67 at
@@ -47,6 +48,8 @@ class RobotPlacing:
         self._localizer: LidarLocalizer | None = None
         if self._settings.source == 'scan':
             self._localizer = LidarLocalizer(self._settings, parameters.object)
+        self._radius = parameters.robot.radius
+        self._protective_field = self._make_field()
         self._has_scan = self._has_warned = False
         self.newest: RobotPlace | None = None
 
@@ -55,8 +58,24 @@ class RobotPlacing:
         """Tell whether scans place the robot, and none has come."""
         return self._localizer is not None and not self._has_scan
 
+    def _make_field(self) -> ProtectiveField | None:
+        if self._localizer is None or self._settings.slow_distance == 0.0:
+            return None
+        return ProtectiveField(self._settings, self._radius)
+
+    def protection(self, odometry: Odometry) -> Protection:
+        """
+        Tell whether what scans show slows or stops the robot.
+
+        :param odometry: the newest ``Odometry``.
+        """
+        if self._localizer is None or self._protective_field is None:
+            return Protection()
+        return self._protective_field.decide(self._localizer.unexplained, odometry)
+
     def reset(self) -> None:
         """Forget what was measured; the map stays."""
+        self._protective_field = self._make_field()
         self.newest = None
         if self._localizer is not None:
             self._localizer.reset()

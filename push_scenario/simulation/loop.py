@@ -21,6 +21,7 @@ from push_model.signals import LidarScan, ObjectPose, Odometry, RobotPlace
 from push_planner.problem import PlanningFailed
 from push_planner.task_planner import plan_for_request, PushPlanner
 from push_safety.layer import SafetyLayer
+from push_safety.protective_field import ProtectiveField
 from push_scenario.definition.scenario import Scenario
 from push_scenario.simulation.result import Outcome, RunResult
 from push_scenario.simulation.robot_control import Ending, make_robot_control, RobotControl
@@ -95,7 +96,8 @@ def simulate(scenario: Scenario, law: str | type[SteeringLaw] | None = None, *,
         return RunResult(scenario, scenario.control.control_law, Outcome.REFUSED, failure.reason,
                          codes=(failure.code,))
     loop = ClosedLoop(simulation, robot, make_safety_layer(scenario), observation, progress,
-                      localizer=make_localizer(scenario))
+                      localizer=make_localizer(scenario),
+                      protective_field=make_protective_field(scenario))
     ending = loop.run(scenario.time_limit, intervene)
     duration = simulation.time
     record = robot.record(ending, duration)
@@ -150,6 +152,14 @@ def make_localizer(scenario: Scenario) -> LidarLocalizer | None:
     return localizer
 
 
+def make_protective_field(scenario: Scenario) -> ProtectiveField | None:
+    """Make what slows and stops the robot by scans; None where nothing is to."""
+    task = scenario.task
+    if task is None or task.place.source != 'scan' or task.place.slow_distance == 0.0:
+        return None
+    return ProtectiveField(task.place, scenario.robot.radius)
+
+
 def is_at_rest(truth: Truth) -> bool:
     """
     Tell whether robot and object are at rest.
@@ -180,7 +190,8 @@ class ClosedLoop:
 
     def __init__(self, simulation: Simulation, robot: RobotControl, safety: SafetyLayer,
                  observation: Observation, report: ProgressCallback | None = None, *,
-                 localizer: LidarLocalizer | None = None) -> None:
+                 localizer: LidarLocalizer | None = None,
+                 protective_field: ProtectiveField | None = None) -> None:
         """
         Answer the first measurements.
 
@@ -189,8 +200,10 @@ class ClosedLoop:
         :param observation: the first measurements.
         :param report: called with a ``Progress`` at every measurement; None for nobody.
         :param localizer: ``LidarLocalizer`` that finds the robot by scans; None for none.
+        :param protective_field: ``ProtectiveField`` that stops the robot by them; None for none.
         """
         self._localizer = localizer
+        self._protective_field = protective_field
         if localizer is not None:
             localizer.add_odometry(observation.odometry)
         self._simulation = simulation
@@ -269,5 +282,10 @@ class ClosedLoop:
     def _step(self, dt: float) -> None:
         """Command the robot, through the safety layer."""
         robot = self._robot
+        if self._localizer is not None and self._protective_field is not None:
+            protection = self._protective_field.decide(self._localizer.unexplained,
+                                                       self._observation.odometry)
+            self._safety.speed_limit = protection.speed_limit
+            robot.supervisor.hold(protection.report)
         self._simulation.command(self._safety.guard(
             self._observation, robot, lambda checked: robot.step(checked, dt)))

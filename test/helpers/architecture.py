@@ -24,7 +24,7 @@ MAY_IMPORT = {
     'push_planner': PREDICTION,
     'push_base': {'push_model', 'push_dynamics'},
     'push_localization': {'push_model'},
-    'push_safety': {'push_model', 'push_dynamics', 'push_base'},
+    'push_safety': {'push_model', 'push_dynamics', 'push_base', 'push_localization'},
     'push_control': PREDICTION | {'push_base', 'push_localization', 'push_safety'},
     'push_sim_node': {'push_model', 'push_dynamics'},
     'push_tracker': {'push_model'},

@@ -184,6 +184,20 @@ def with_box(scan, pose, box):
     return scan._replace(ranges=ranges)
 
 
+def test_what_neither_map_nor_object_explains_is_where_it_stands():
+    """In the frame of the robot; in a room as the map has it there is nothing."""
+    seen = with_box(scan_at(CELLS, PLACE), PLACE, Pose(2.4, 0.9, 0.7))
+    for scan, measured, expected in ((scan_at(CELLS, PLACE), None, 0), (seen, None, 10),
+                                     (seen, ObjectPose(0.0, Pose(2.4, 0.9, 0.7)), 0)):
+        localizer = make_localizer()
+        stand(localizer, scan, PLACE, measured=measured)
+        points = localizer.unexplained.points
+        assert (len(points) > 0) == (expected > 0) and len(points) >= expected
+        for point in points:
+            x, y = PLACE.transform(point)
+            assert math.hypot(x - 2.4, y - 0.9) < 0.3
+
+
 def test_the_object_is_no_wall():
     """A box along a wall displaces a place unless its pose is known, in the world or relative."""
     pose, box = Pose(0.7, 1.2, 0.0), Pose(0.9, 0.34, 0.003)

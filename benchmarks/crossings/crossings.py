@@ -1,0 +1,127 @@
+"""A person, a disc that walks straight at where the robot is, again and again during tasks."""
+
+import dataclasses
+import math
+from typing import NamedTuple
+
+import numpy as np
+from push_control.task.supervisor import Supervisor
+from push_model.geometry import FloatArray
+from push_navigation.occupancy_map import OccupancyMap
+from push_safety.protective_field import ProtectiveCause
+from push_scenario.definition.loader import load_scenario
+from push_scenario.simulation.loop import simulate
+from push_scenario.simulation.result import RunResult
+from push_sim_node.simulation import Simulation
+
+# Radius of the person [m], distance at which a crossing begins and beyond the robot ends [m], time
+# between two crossings [s], and range of speeds [m/s].
+RADIUS, START_DISTANCE, END_DISTANCE, PAUSE, SPEEDS = 0.2, 3.0, 1.5, 3.0, (0.3, 1.6)
+# Directions that are tried for one from where the person is in the open, and sees the robot.
+TRIALS, SPACING = 20, 0.05
+CORNERS = 16
+# Distance from which the protective field is to slow the robot [m].
+SLOW_DISTANCE = 1.5
+# What a robot may do at a touch [m/s].
+MAX_TOUCH_SPEED = 0.1
+
+
+class Crossing(NamedTuple):
+    """
+    One crossing.
+
+    :param speed: of the person [m/s].
+    :param robot_speed: greatest speed of the robot while they touch [m/s]; 0 where they do not.
+    :param gap: least distance of both hulls [m].
+    """
+
+    speed: float
+    robot_speed: float
+    gap: float
+
+
+class Walker:
+    """Walks at the robot; passes through whatever there is, and is seen by the lidar alone."""
+
+    def __init__(self, seed: int, floor: OccupancyMap | None, *, walks: bool = True) -> None:
+        """
+        Wait for the first crossing.
+
+        :param floor: ``OccupancyMap`` with the walls between person and robot.
+        """
+        self._floor = floor
+        self._rng = np.random.default_rng(seed)
+        self._walks = walks
+        self._start_time, self._speed = PAUSE, 0.0
+        self._start: FloatArray = np.zeros(2)
+        self._direction: FloatArray = np.zeros(2)
+        self._gap, self._robot_speed = math.inf, 0.0
+        self.crossings: list[Crossing] = []
+        self.stops = 0
+        self._was_stopped = False
+
+    def __call__(self, simulation: Simulation, supervisor: Supervisor) -> None:
+        """Walk on, and note what the robot does."""
+        causes = supervisor.status.codes
+        is_stopped = any(isinstance(code, ProtectiveCause) for code in causes)
+        self.stops += is_stopped and not self._was_stopped
+        self._was_stopped = is_stopped
+        if not self._walks or simulation.time < self._start_time:
+            return
+        robot = np.array(simulation.plant.robot_pose[:2])
+        if self._speed == 0.0:
+            self._begin(robot, simulation.time)
+        if self._speed == 0.0:
+            return
+        covered = self._speed * (simulation.time - self._start_time)
+        person = self._start + covered * self._direction
+        turn = np.linspace(0.0, 2.0 * math.pi, CORNERS, endpoint=False)
+        simulation.show_visitor(person + RADIUS * np.stack((np.cos(turn), np.sin(turn)), axis=1))
+        gap = float(np.hypot(*(person - robot))) - RADIUS - simulation.robot.radius
+        self._gap = min(self._gap, gap)
+        if gap <= 0.0:
+            twist = simulation.truth.robot_twist
+            self._robot_speed = max(self._robot_speed, math.hypot(twist.v_x, twist.v_y))
+        if covered > START_DISTANCE + END_DISTANCE:
+            self._end(simulation)
+
+    def _begin(self, robot: FloatArray, time: float) -> None:
+        """Start where the person sees the robot, if there is such a place."""
+        self._start_time = time
+        for _ in range(TRIALS):
+            angle = self._rng.uniform(-math.pi, math.pi)
+            self._direction = np.array([math.cos(angle), math.sin(angle)])
+            aside = np.array([-self._direction[1], self._direction[0]])
+            self._start = (robot + self._rng.uniform(-0.3, 0.3) * aside
+                           - START_DISTANCE * self._direction)
+            fractions = np.arange(0.0, 1.0, SPACING / START_DISTANCE)[:, None]
+            line = self._start + fractions * (robot - self._start)
+            if self._floor is None or self._floor.clearance(line).min() > 0.0:
+                self._speed = float(self._rng.uniform(*SPEEDS))
+                return
+
+    def _end(self, simulation: Simulation) -> None:
+        self.crossings.append(Crossing(self._speed, self._robot_speed, self._gap))
+        simulation.show_visitor(np.zeros((0, 2)))
+        self._speed, self._gap, self._robot_speed = 0.0, math.inf, 0.0
+        self._start_time = simulation.time + PAUSE
+
+
+def run(seed: int, *, walks: bool = True, is_protected: bool = True,
+        scenario_name: str = 'task_lidar') -> tuple[RunResult, Walker]:
+    """
+    Drive one task with drawn noise.
+
+    :param walks: whether anybody walks about.
+    :param is_protected: whether the protective field is on.
+    :param scenario_name: of a scenario with a lidar.
+    """
+    scenario = load_scenario(scenario_name).with_seed(seed)
+    task = scenario.task
+    if task is None:
+        raise ValueError(f'scenario_name: got {scenario_name!r}, expected one with a task')
+    if is_protected:
+        place = dataclasses.replace(task.place, slow_distance=SLOW_DISTANCE)
+        scenario = dataclasses.replace(scenario, task=dataclasses.replace(task, place=place))
+    walker = Walker(seed, task.occupancy_map, walks=walks)
+    return simulate(scenario, intervene=walker), walker
