@@ -159,7 +159,9 @@ COMMAND = {
     Word.SLOW: Expectation(
         _named(NOT_FOLLOWING), must_stop=False,
         note='half of the speed is within what loaded bases do; it is learned and made up for'),
-    Word.DELAYED: Expectation(_named(NOT_FOLLOWING, SafetyReason.FOLLOWS_LATE)),
+    Word.DELAYED: Expectation(
+        _named(NOT_FOLLOWING, SafetyReason.FOLLOWS_LATE), stop_time=1.0, driven=0.15,
+        note='a base at a constant speed shows its delay where its command changes'),
     Word.INTERMITTENT: Expectation(_named(NOT_FOLLOWING, SafetyReason.FOLLOWS_LATE,
                                           SafetyReason.BASE_STOOD)),
     Word.IN_WORLD_AXES: Expectation(

@@ -8,7 +8,7 @@ STEERED = 'test/control/steered/estimation'
 FILES = {
     'displacement': 'test_displacement.py', 'contact_consistency': 'test_contact_consistency.py',
     'measurement_watch': 'test_measurement_watch.py', 'lost_robot': 'test_lost_robot.py',
-    'measurement_faults': 'test_perception.py',
+    'measurement_faults': '../steered/test_monitors.py',
     'ensemble/measurement_update': 'ensemble/test_push_ensemble.py'}
 
 

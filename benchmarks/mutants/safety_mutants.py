@@ -3,14 +3,14 @@
 from benchmarks.mutants.mutant import Mutant
 
 TESTS = 'test/safety'
-FILES = {'layer': 'test_layer', 'stop': 'test_standstill', 'status': 'test_standstill',
+FILES = {'layer': 'test_layer', 'stop': 'test_stop', 'status': 'test_standstill',
          'pose_check': 'test_pose_check', 'odometry_check': 'test_odometry_check',
          'motion_check': 'test_motion_check', 'stamp_check': 'test_stamp_check'}
 
 
-def _mutant(name: str, module: str, old: str, new: str) -> Mutant:
+def _mutant(name: str, module: str, old: str, new: str, first: str = '') -> Mutant:
     return Mutant(name, f'push_safety/{module}.py', old, new,
-                  (f'{TESTS}/{FILES[module]}.py', TESTS))
+                  (f'{TESTS}/{first or FILES[module]}.py', TESTS))
 
 
 LAYER = (
@@ -31,9 +31,9 @@ LAYER = (
             'yaw_limit = min(robot.max_yaw_rate,', 'yaw_limit = min(9.0,'),
     _mutant('every robot that waits for a word is let go on', 'layer',
             'if not controller.awaits_resume:\n            self.resume()',
-            'if True:\n            self.resume()'),
+            'if True:\n            self.resume()', 'test_guard'),
     _mutant('a stop from outside is ignored', 'layer',
-            'elif interference is not None:', 'elif False:'),
+            'elif interference is not None:', 'elif False:', 'test_guard'),
     _mutant('a clock that falls back is ignored', 'layer',
             'if self._late_count < AGREEING_MESSAGES or shift < MAX_CLOCK_SHIFT:', 'if True:'),
     _mutant('other commanders are not named', 'layer',
@@ -41,10 +41,11 @@ LAYER = (
     _mutant('odometry that errs is taken for a base that errs', 'layer',
             'return self._odometry_check.early_contradiction() or fault', 'return fault'),
     _mutant('the object is not expected elsewhere with the robot', 'layer',
-            'if fault is not None and fault.code is SafetyReason.ODOMETRY_JUMPED:', 'if False:'),
+            'if fault is not None and fault.code is SafetyReason.ODOMETRY_JUMPED:', 'if False:',
+            'test_guard'),
     _mutant('a robot that nobody commands stays stopped', 'layer',
             'if not is_commanding:\n            self.release()\n        elif',
-            'if not is_commanding:\n            pass\n        elif'),
+            'if not is_commanding:\n            pass\n        elif', 'test_guard'),
 )
 STOP = (
     _mutant('a stopped robot goes on at once', 'stop',
@@ -102,14 +103,16 @@ MOTION = (
             'if stated > MAX_RESIDUAL_SUM:\n            return False'),
     _mutant('a stuck base is no fault', 'motion_check',
             'is_stuck = is_settled and', 'is_stuck = False and'),
-    _mutant('a late base is no fault', 'motion_check', 'if delay is not None:', 'if False:'),
+    _mutant('a late base is no fault', 'motion_check', 'if delay is not None:', 'if False:',
+            'test_layer'),
     _mutant('a base that is known is not held to it', 'motion_check',
             'is_far = close > MAX_RESIDUAL_SUM and self._is_known', 'is_far = False'),
     _mutant('a base that stands is said to move otherwise', 'motion_check',
-            'SafetyReason.NOT_MOVING if is_short', 'SafetyReason.MOVES_OTHERWISE if is_short'),
+            'SafetyReason.NOT_MOVING if is_short', 'SafetyReason.MOVES_OTHERWISE if is_short',
+            'test_layer'),
     _mutant('what a base did in a gap counts', 'motion_check',
             'if self._is_interrupted or time - last > MAX_MOTION_GAP:',
-            'if self._is_interrupted:'),
+            'if self._is_interrupted:', 'test_layer'),
 )
 STAMPS = (
     _mutant('old stamps are accepted', 'stamp_check',

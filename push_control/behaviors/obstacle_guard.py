@@ -2,7 +2,7 @@
 
 import numpy as np
 from numpy.typing import ArrayLike
-from push_model.geometry import Pose
+from push_model.geometry import IntArray, Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.trajectory import PushTrajectory
 from push_navigation.occupancy_map import OccupancyMap
@@ -16,6 +16,9 @@ LOST_CLEARANCE = 0.005
 REACTION_TIME = 0.35
 # Time over which motion is measured [s]; chosen: two periods of the object pose.
 MEASURED_TIME = 0.1
+# Members that all have to keep clear of obstacles while nothing is seen; chosen: the nearest one
+# of them is 1.6 standard deviations off, in the mean.
+GUARDED_MEMBERS = 12
 
 
 class ObstacleGuard:
@@ -62,6 +65,16 @@ class ObstacleGuard:
     def _clearances(self, object_poses: ArrayLike, robot_poses: ArrayLike) -> list[float]:
         robot = float(self._map.clearance(np.asarray(robot_poses)[:, :2]).min())
         return [self._map.object_clearance(self._obj, object_poses), robot - self._robot.radius]
+
+
+def guarded_members(count: int) -> IntArray:
+    """
+    Choose the members of an ensemble that have to keep clear while nothing is seen.
+
+    :param count: of all members.
+    :return: their indices.
+    """
+    return np.linspace(0, count - 1, GUARDED_MEMBERS).astype(int)
 
 
 def blocks_push(target: PushTrajectory, obj: PushedObject, robot: RoundRobot,

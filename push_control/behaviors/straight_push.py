@@ -14,7 +14,8 @@ from push_base.base_identifier import MAX_LEAST_SPEED
 from push_base.spin_watch import MAX_SPIN_RATIO, SpinWatch
 from push_control.behaviors.behavior import Behavior, BehaviorContext
 from push_control.behaviors.failures import BehaviorFailure, FailureReport
-from push_control.behaviors.obstacle_guard import blocks_push, ObstacleGuard
+from push_control.behaviors.obstacle_guard import (
+    blocks_push, guarded_members, ObstacleGuard)
 from push_control.behaviors.push_progress import (
     decide, MIN_SPEED, Miss, PushProgress, Stage, Steer, Stop, UNEXPECTED_DISTANCE, UNMEASURED)
 from push_control.behaviors.rollout_law import RolloutLaw
@@ -78,9 +79,6 @@ TOUCHING_STD = 0.01
 # Distance beyond the length of a push in which walls may touch object or robot [m]; chosen: both
 # are smaller.
 WALL_RANGE = 1.5
-# Members that all have to keep clear of obstacles while nothing is seen; chosen: the nearest one
-# of them is 1.6 standard deviations off, in the mean.
-GUARDED_MEMBERS = 12
 
 
 def pushing_speed(target: PushTrajectory) -> float:
@@ -332,7 +330,7 @@ class StraightPush(Behavior[TaskPerception]):
         if not is_blind:
             return self._guard.is_close([self._ensemble.object_pose], [self._ensemble.pose], dt)
         members = self._ensemble.members
-        chosen = np.linspace(0, members.count - 1, GUARDED_MEMBERS).astype(int)
+        chosen = guarded_members(members.count)
         return self._guard.is_close(members.object_poses[chosen], members.robot_poses[chosen], dt)
 
     def _with_course(self, progress: PushProgress) -> PushProgress:

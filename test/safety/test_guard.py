@@ -108,3 +108,21 @@ def test_a_robot_that_is_not_commanded_is_released():
     layer.stop(OTHERS)
     guard(layer, controller, observation(PERIOD), is_commanding=False, interference=OTHERS)
     assert controller.calls[-2] == ('told', None, None)
+
+
+@pytest.mark.parametrize('has_jumped', [False, True])
+def test_an_object_is_expected_elsewhere_with_a_robot_that_was_put_elsewhere(
+        has_jumped: bool) -> None:
+    """As by a simulator that is reset; else its pose has to be confirmed."""
+    layer, controller = SafetyLayer(ROBOT, BOX), Controller(STOP)
+    for i in range(5):
+        guard(layer, controller, observation(i * PERIOD))
+    robot = Pose(3.0 if has_jumped else 0.0, 0.0, 0.0)
+    for i in (5, 6):
+        time = i * PERIOD
+        elsewhere = OBJECT if i == 5 else Pose(2.0, 1.0, 0.0)
+        guard(layer, controller, Observation(time, Odometry(time, robot, STOP),
+                                             ObjectPose(time, elsewhere)))
+    _, believed = controller.calls[-1]
+    assert believed.object_pose.pose == (elsewhere if has_jumped else OBJECT)
+    assert (believed.pose_rejection is None) == has_jumped

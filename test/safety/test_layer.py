@@ -239,7 +239,8 @@ def test_a_base_that_does_not_answer_small_changes_is_stuck(step: float, is_stuc
     assert not is_stuck or beside < 0.025
 
 
-def after_a_gap(delay: float, duration: float) -> tuple[SafetyLayer, Base, Twist]:
+def after_a_gap(delay: float, duration: float, *,
+                is_noticed: bool = True) -> tuple[SafetyLayer, Base, Twist]:
     """Drive, and let a while pass in which the base stops by itself for want of commands."""
     layer, base = SafetyLayer(ROBOTS['differential'], BOX), Base(ROBOTS['differential'], delay)
     command = Twist(0.2, 0.0, 1.0)
@@ -247,7 +248,8 @@ def after_a_gap(delay: float, duration: float) -> tuple[SafetyLayer, Base, Twist
     lost_at = base.odometry.time
     while base.odometry.time < lost_at + duration:
         base.drive(command if base.odometry.time < lost_at + 0.5 else STOP)
-    layer.interrupt()
+    if is_noticed:
+        layer.interrupt()
     return layer, base, command
 
 
@@ -257,6 +259,12 @@ def test_what_a_base_did_in_a_gap_is_no_fault_after_it(delay, duration):
     """Nor is the way in which it takes up its commands again."""
     layer, base, command = after_a_gap(delay, duration)
     assert driven(layer, base, command, 5.0)[1] is None
+
+
+def test_a_gap_that_nobody_has_noticed_shows_in_odometry() -> None:
+    """What a base did in it is no fault after it."""
+    layer, base, command = after_a_gap(0.1, 1.0, is_noticed=False)
+    assert driven(layer, base, command, 2.0)[1] is None
 
 
 @pytest.mark.parametrize('heed, limit', [

@@ -1,16 +1,17 @@
 """Odometry against itself: laws of a drive whose poses and twists mean the same, or do not."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 import dataclasses
 import math
 
 from helpers.push_problems import HOLONOMIC
 import numpy as np
 from push_model.geometry import distance, Pose, wrap_angle
-from push_model.signals import Odometry, PoseCovariance, Twist
+from push_model.signals import Odometry, PoseCovariance, STOP, Twist
 from push_safety.odometry_check import OdometryCheck
 from push_safety.status import SafetyReason, SafetyReport
-from push_safety.tolerances import CORRECTION_PERIOD, DIRECTION_PATH, ODOMETRY_JUMP_DISTANCE
+from push_safety.tolerances import (
+    CORRECTION_PERIOD, DIRECTION_PATH, ODOMETRY_JUMP_DISTANCE, ODOMETRY_JUMP_ROTATION)
 import pytest
 
 ROBOT = dataclasses.replace(HOLONOMIC, max_speed=0.4, max_yaw_rate=1.5)
@@ -218,3 +219,21 @@ def test_only_wheels_of_a_differential_drive_do_not_go_to_the_side(drive_type: s
     fault = check.early_contradiction()
     codes = [] if fault is None else [fault.code]
     assert codes == ([SafetyReason.ODOMETRY_LATERAL] if drive_type == 'differential' else [])
+
+
+def first_fault_of_headings(headings: Sequence[float]) -> SafetyReason | None:
+    """Tell what is wrong with odometry that turns on the spot while its twist is zero."""
+    check = OdometryCheck(ROBOT)
+    faults = (check.check(Odometry(0.02 * i, Pose(0.0, 0.0, heading), STOP))
+              for i, heading in enumerate(headings))
+    return next((fault.code for fault in faults if fault is not None), None)
+
+
+@pytest.mark.parametrize('side', [-1.0, 1.0])
+def test_a_heading_may_neither_jump_nor_creep_beside_its_twist(side: float) -> None:
+    """At once by a step, within a window by less than that each time; a tremor is no fault."""
+    tremor = [0.0, 0.3 * side * ODOMETRY_JUMP_ROTATION] * 50
+    assert first_fault_of_headings(tremor) is None
+    assert first_fault_of_headings([0.0] * 10 + [0.5 * side]) is SafetyReason.ODOMETRY_JUMPED
+    creeping = [0.3 * side * ODOMETRY_JUMP_ROTATION * i for i in range(30)]
+    assert first_fault_of_headings(creeping) is SafetyReason.ODOMETRY_CONTRADICTORY

@@ -9,12 +9,12 @@ from helpers.ensemble_runs import (
 from helpers.objects import box
 import numpy as np
 from push_control.perception.ensemble.ensemble_state import OdometryNoise
-from push_control.perception.ensemble.measurement_update import MAX_OUTLIERS
+from push_control.perception.ensemble.measurement_update import MAX_OUTLIERS, MIN_STDS
 from push_control.perception.ensemble.pose_history import HISTORY_TIME
 from push_control.perception.ensemble.prediction import START_HEADING_STD, START_POSITION_STD
 from push_control.perception.ensemble.push_ensemble import PushEnsemble
 from push_model.friction import friction_center
-from push_model.geometry import Pose
+from push_model.geometry import Pose, wrap_angle
 from push_model.signals import ObjectPose, Odometry, STOP
 from push_sim_node.sensors import SensorSettings
 import pytest
@@ -47,6 +47,17 @@ def resting(noise=NOISE, poses=20):
         error = rng.standard_normal(3) * (2e-3, 2e-3, 5e-3)
         ensemble.update(ObjectPose(k * STEP, Pose(*error)))
     return ensemble, poses * STEP
+
+
+@pytest.mark.parametrize('heading', [0.0, math.pi])
+def test_an_object_at_rest_is_known_as_well_at_any_heading(heading: float) -> None:
+    """No pose is an outlier, and no average is surer than the poses of a tracker allow."""
+    ensemble, rng = PushEnsemble(box(), ROBOT, CONTROL, NOISE), np.random.default_rng(5)
+    for k in range(300):
+        x, y, error = (rng.standard_normal(3) * (2e-3, 2e-3, 5e-3)).tolist()
+        ensemble.predict(Odometry(k * STEP, AWAY, STOP))
+        assert ensemble.update(ObjectPose(k * STEP, Pose(x, y, wrap_angle(heading + error))))
+    assert np.all(ensemble.object_deviations > 0.5 * np.array(MIN_STDS))
 
 
 def drive_ahead(ensemble, start, time, distance, steps=20):
