@@ -153,6 +153,13 @@ class ControlSettings:
                                               'contact distance', '', 0.0, 1.0, default=0.45)
     center_walk: float = quantity('random walk of the centre of friction', 'm/sqrt(m)', 0.0, 1.0,
                                   default=0.002)
+    jump_threshold: float = quantity(
+        'CUSUM value of heading innovations that indicates a jump of the centre of friction', '',
+        0.5, 1000.0, default=10.0)
+    center_jump_std_ratio: float = quantity('std of such a jump over contact distance', '', 0.0,
+                                            1.0, default=0.15)
+    center_walk_after_jump: float = quantity('center_walk for the rest of a push with a jump',
+                                             'm/sqrt(m)', 0.0, 1.0, default=0.02)
     c_squared_log_std: float = quantity('std of log c^2 of the supports', '', 0.0, 2.0,
                                         default=0.2)
     c_squared_log_walk: float = quantity('random walk of log c^2', '1/sqrt(m)', 0.0, 2.0,

@@ -13,7 +13,7 @@ from push_control.behaviors.behavior import Behavior, BehaviorContext
 from push_control.behaviors.failures import BehaviorFailure
 from push_control.perception.object_at_rest import has_moved, ObjectAtRest
 from push_control.perception.perception import TaskPerception
-from push_control.steered.estimation.contact_detection import CusumTest
+from push_control.steered.estimation.cusum import CusumTest
 from push_control.steered.laws.command import holonomic_command, limit_command
 from push_control.steered.start import contact_start_point, robot_start_pose, start_fault
 from push_model.contact import find_contact

@@ -128,3 +128,5 @@ class PushTracker:
         gamma = state.theta + site.contact_at(state.relative_heading).normal
         self._robot = self._robot.corrected(detected.drift, gamma)
         self._estimator.set_contact(site.after_slip(detected.slip), self.is_contact_lost)
+        if self.detector.state is not ContactState.TOUCHING:
+            self._estimator.restart_jump_test()

@@ -12,7 +12,7 @@ from studies.chapter4.disturbances_figure import (
 )
 from studies.chapter4.repeated_push import COLUMNS, median_findings, repeat, RepeatedPush
 from studies.chapter4.setup import (
-    ExecutedPush, FEEDBACK, LABELS, Law, MOBILE_CENTER, MPC, OBJECT_FRAME, ONE_PATH, OPEN_LOOP,
+    ExecutedPush, FEEDBACK, LABELS, Law, MPC, NO_JUMP_TEST, OBJECT_FRAME, ONE_PATH, OPEN_LOOP,
     push, PushSetup, SETUP, TIME_LIMIT, total_variation,
 )
 from studies.chapter4.support_friction import (
@@ -25,9 +25,9 @@ from studies.framework.study import Finding, Outcome, RunJobs, Study, Table
 LAST_DISTANCE = 0.3
 MILLIMETRES = 1000.0
 CENTIMETRES = 100.0
-LAWS: tuple[Law, ...] = (OPEN_LOOP, OBJECT_FRAME, FEEDBACK, MPC, MOBILE_CENTER)
+LAWS: tuple[Law, ...] = (OPEN_LOOP, OBJECT_FRAME, FEEDBACK, MPC, NO_JUMP_TEST)
 # Laws whose pushes depend on the errors of the sensors, and are repeated with others.
-REPEATED: tuple[Law, ...] = (FEEDBACK, MPC, MOBILE_CENTER)
+REPEATED: tuple[Law, ...] = (FEEDBACK, MPC, NO_JUMP_TEST)
 SEEDS = Parameter('seeds', '', 'number of pushes under each law, with other sensor errors')
 SUSTAINED_PARAMETERS = (
     *SETUP, GOAL, Parameter('side', '', 'side whose support points change'),
@@ -200,15 +200,15 @@ TEMPORARY = _studies(8, 'temporary', TEMPORARY_PARAMETERS, temporary_end, (
     Caption('In the world the box rotates by {heading_open_loop:.1f} rad, in its own frame by '
             '{heading_object_frame:.1f} rad. Medians of {pushes:.0f} pushes with other sensor '
             'errors: feedback {median_feedback:.1f} cm (95% interval {median_feedback_low:.1f} to '
-            '{median_feedback_high:.1f}), mpc {median_mpc:.1f} cm, filter with a mobile centre of '
-            'friction {median_mobile_center:.1f} cm.',
+            '{median_feedback_high:.1f}), mpc {median_mpc:.1f} cm, without a test for jumps '
+            '{median_no_jump_test:.1f} cm.',
             'The centre of friction is {arm:.1f} m from the contact, the centre of the robot only '
             '{radius:.1f} m: rotations grow.'),
     Caption('Feedback swings to {peak_feedback:.1f} rad and back, to {final_rho:.2f} rad at the '
             'goal. Its angle varies by {variation_feedback:.1f} rad with {new_paths_feedback:.0f} '
             'new paths, by {variation_one_path:.1f} rad with one, by '
-            '{variation_mobile_center:.1f} rad with {new_paths_mobile_center:.0f} and a mobile '
-            'centre of friction.',
+            '{variation_no_jump_test:.1f} rad with {new_paths_no_jump_test:.0f} and no test for '
+            'jumps.',
             'Each spike is the turn of a new path (triangles), at most every 0.5 s.')))
 SUSTAINED = _studies(12, 'sustained', SUSTAINED_PARAMETERS, sustained_end, (
     Caption('From {start_time:.0f} s on, one side has {factor:.1f} times the friction. The centre '
@@ -216,20 +216,20 @@ SUSTAINED = _studies(12, 'sustained', SUSTAINED_PARAMETERS, sustained_end, (
             'The planner assumes it in the middle, {arm:.1f} m ahead of the contact.'),
     Caption('The open loop ends {open_loop:.0f} cm from the goal in the world, {object_frame:.0f} '
             'cm in the frame of the object. Feedback deviates by {deviation:.0f} cm and ends at '
-            '{feedback:.1f} cm (mpc: {mpc:.1f} cm), at {mobile_center:.1f} cm with a mobile '
-            'centre of friction in its filter.',
-            'The default filter finds a jump of the centre of friction slowly.'),
+            '{feedback:.1f} cm (mpc: {mpc:.1f} cm), without a test for jumps at '
+            '{no_jump_test:.1f} cm.',
+            'That test notices within half a second that the box rotates otherwise.'),
     Caption('In open loop the box rotates by {heading_open_loop:.1f} rad in the world, '
             '{heading_object_frame:.1f} rad in its own frame. Medians of {pushes:.0f} pushes with '
             'other sensor errors: feedback {median_feedback:.1f} cm (95% interval '
             '{median_feedback_low:.1f} to {median_feedback_high:.1f}), mpc {median_mpc:.1f} cm, '
-            'filter with a mobile centre {median_mobile_center:.1f} cm '
-            '({median_mobile_center_low:.1f} to {median_mobile_center_high:.1f}).',
+            'without a test for jumps {median_no_jump_test:.1f} cm '
+            '({median_no_jump_test_low:.1f} to {median_no_jump_test_high:.1f}).',
             'The error depends on how soon feedback knows the centre of friction.'),
     Caption('Feedback ends at {final_rho:.2f} rad over the last {last:.1f} m, where the centre of '
             'friction is at {aim:.2f} rad; its contact has rolled {rolled:.1f} cm. Its angle '
             'varies by {variation_feedback:.1f} rad with {new_paths_feedback:.0f} new paths, by '
-            '{variation_one_path:.1f} rad with one, by {variation_mobile_center:.1f} rad with '
-            '{new_paths_mobile_center:.0f} and a mobile centre.',
-            'Such a filter finds the centre sooner, with more spikes.')))
+            '{variation_one_path:.1f} rad with one, by {variation_no_jump_test:.1f} rad with '
+            '{new_paths_no_jump_test:.0f} and no test for jumps.',
+            'The contact rolls until it is behind the centre of friction.')))
 STUDIES = TEMPORARY + SUSTAINED

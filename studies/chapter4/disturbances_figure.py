@@ -9,7 +9,7 @@ from push_model.geometry import Pose
 from studies.chapter3.setup import draw_center, draw_outlines, poses_at
 from studies.chapter4.random_friction import draw_ends, mark_new_paths
 from studies.chapter4.setup import (
-    draw_angle, FEEDBACK, LABELS, Law, MOBILE_CENTER, MPC, OBJECT_FRAME, ONE_PATH, OPEN_LOOP,
+    draw_angle, FEEDBACK, LABELS, Law, MPC, NO_JUMP_TEST, OBJECT_FRAME, ONE_PATH, OPEN_LOOP,
     STYLES,
 )
 from studies.framework import plot_style
@@ -20,7 +20,7 @@ from studies.framework.study import Outcome
 # Chosen: poses at which the box is drawn.
 OUTLINES = 6
 # By panel: (a) the optimiser's plan, (b) feedback.
-PANELS: tuple[tuple[Law, ...], ...] = ((OPEN_LOOP, OBJECT_FRAME), (FEEDBACK, MPC, MOBILE_CENTER))
+PANELS: tuple[tuple[Law, ...], ...] = ((OPEN_LOOP, OBJECT_FRAME), (FEEDBACK, MPC, NO_JUMP_TEST))
 TITLES = ('optimiser, open loop', 'feedback')
 # When the disturbance ends [s].
 EndTime = Callable[[Values], float]
@@ -79,7 +79,7 @@ def draw_inputs(end_time: EndTime, figure: Figure, outcome: Outcome, values: Val
     path = outcome.tables[FEEDBACK]
     panels = figure.subplots(3, 1, sharex=True)
     last = max(outcome.tables[law]['time_s'][-1] for law in (FEEDBACK, OPEN_LOOP))
-    rows: tuple[tuple[Law, ...], ...] = ((FEEDBACK, MPC), (MOBILE_CENTER, ONE_PATH),
+    rows: tuple[tuple[Law, ...], ...] = ((FEEDBACK, MPC), (NO_JUMP_TEST, ONE_PATH),
                                          (OPEN_LOOP, OBJECT_FRAME))
     for axes, laws in zip(panels, rows):
         axes.axvspan(values.start_time, min(last, end_time(values)), color=plot_style.LIGHT,

@@ -28,7 +28,7 @@ from studies.framework.parameters import Parameter, Values
 from studies.framework.study import Table
 
 Law = Literal['open_loop', 'object_frame', 'feedback', 'own_path', 'mpc', 'one_path',
-              'mobile_center']
+              'no_jump_test']
 # The plan, played in the world and in the object's frame.
 OPEN_LOOP: Law = 'open_loop'
 OBJECT_FRAME: Law = 'object_frame'
@@ -36,20 +36,20 @@ OBJECT_FRAME: Law = 'object_frame'
 FEEDBACK: Law = 'feedback'
 MPC: Law = 'mpc'
 # The same feedback on a path of its own from the first step on; with no more than one new path;
-# and with a filter that expects the centre of friction to move.
+# and with a filter that does not test for jumps of the centre of friction.
 OWN_PATH: Law = 'own_path'
 ONE_PATH: Law = 'one_path'
-MOBILE_CENTER: Law = 'mobile_center'
+NO_JUMP_TEST: Law = 'no_jump_test'
 LABELS: dict[Law, str] = {
     OPEN_LOOP: 'open loop, in the world', OBJECT_FRAME: "open loop, in the object's frame",
     FEEDBACK: 'feedback', MPC: 'mpc', OWN_PATH: 'feedback, path of its own',
     ONE_PATH: 'feedback, at most one new path',
-    MOBILE_CENTER: 'feedback, mobile centre of friction'}
+    NO_JUMP_TEST: 'feedback, no test for jumps'}
 STYLES: dict[Law, dict[str, Any]] = {
     FEEDBACK: plot_style.series(0), OPEN_LOOP: plot_style.series(1),
     OBJECT_FRAME: plot_style.series(3), MPC: plot_style.series(2),
     OWN_PATH: plot_style.series(0), ONE_PATH: plot_style.series(4),
-    MOBILE_CENTER: plot_style.series(5)}
+    NO_JUMP_TEST: plot_style.series(5)}
 # Fields of ``ControlSettings`` that differ from their defaults. A path of its own is drawn as soon
 # as there is any error, which is at once, and none after it.
 CONTROL: dict[Law, dict[str, Any]] = {
@@ -58,8 +58,8 @@ CONTROL: dict[Law, dict[str, Any]] = {
     OWN_PATH: {'replan_min_distance': 0.0, 'replan_lateral_error': 1e-3, 'replan_period': 60.0,
                'replan_length_ratio': 10.0},
     ONE_PATH: {'replan_period': 60.0},
-    # Chosen: ten times the default.
-    MOBILE_CENTER: {'center_walk': 10.0 * ControlSettings().center_walk}}
+    # Chosen: more than the innovations of any push sum up to.
+    NO_JUMP_TEST: {'jump_threshold': 1000.0}}
 # Errors of the sensors by name: those of benchmarks/controller/cases.py, or none.
 SENSORS = {
     'benchmark': SensorSettings(

@@ -21,6 +21,7 @@ from push_control.steered.estimation.filter_kernel import (
     add_motion, advance, C_SQUARED, CENTER, correct, COVARIANCE, END, LAST, LATEST,
     load_machine_code, MATRIX_COUNT, MEMORY_SIZE, MOTION_COLUMNS, ODOMETRY_COLUMNS, predict,
     replay, SITE, SIZE, STATE, WALK)
+from push_control.steered.estimation.jump_detector import JumpDetector
 from push_control.steered.estimation.push_motion import MotionState, PushMotion
 from push_dynamics.compiled import array_view
 from push_model.events import EventReport, PushEvent
@@ -166,6 +167,8 @@ class Estimator:
         self._rejected: deque[_RejectedPose] = deque(maxlen=AGREEING_COUNT)
         # Displacements that were followed [m], and path length of the contact by then [m].
         self._displacements: deque[tuple[float, float]] = deque()
+        self._jumps = JumpDetector(settings.jump_threshold)
+        self._jump_variance = (settings.center_jump_std_ratio * math.dist(center, site.point)) ** 2
         self.motion = motion
         self.set_contact(site, motion.is_lost)
         load_machine_code(self.memory)
@@ -190,6 +193,10 @@ class Estimator:
         self.memory[SITE:C_SQUARED] = (*site.values, is_lost)
         # Whether ``latest`` is the state at the time of the last odometry.
         self._is_replayed = False
+
+    def restart_jump_test(self) -> None:
+        """Forget heading innovations: a contact that slides or is lost rotates the object too."""
+        self._jumps.restart()
 
     def add_odometry(self, odometry: Odometry) -> tuple[RobotMotion, ...]:
         """
@@ -237,8 +244,11 @@ class Estimator:
         innovation = Pose(measured.pose.x - x, measured.pose.y - y,
                           wrap_angle(measured.pose.theta - theta))
         noise = self._settings.assumed_covariance(measured)
+        heading_variance = float(self._matrices[COVARIANCE, 2, 2]) + noise.theta_theta
         is_accepted, is_possible = self._correct(innovation, noise), False
-        if not is_accepted:
+        if is_accepted:
+            self._watch_for_jump(innovation.theta, heading_variance)
+        else:
             self.rejected_poses += 1
             self._rejected.append(_RejectedPose(innovation, noise, self.travelled_distance))
             is_possible = self._is_near(innovation) and self._poses_agree
@@ -318,6 +328,19 @@ class Estimator:
         """Correct the estimate, unless the pose lies outside the gate."""
         return correct(self.memory, self._matrices, np.array((*innovation, *noise)),
                        self._pose_gate)
+
+    def _watch_for_jump(self, heading: float, variance: float) -> None:
+        """
+        Let the centre of friction be elsewhere where the object rotates otherwise.
+
+        :param heading: innovation [rad].
+        :param variance: that was expected of it [rad^2].
+        """
+        if self._jumps.update(heading, variance):
+            covariance = self._matrices[COVARIANCE]
+            covariance[4, 4] += self._jump_variance
+            covariance[5, 5] += self._jump_variance
+            self.memory[WALK + 4:WALK + 6] = self._settings.center_walk_after_jump ** 2
 
     def _add_displacement(self, shift: Pose) -> None:
         """Reckon with an object that was moved by so much; the push begins anew there."""

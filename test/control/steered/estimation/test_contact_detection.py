@@ -6,8 +6,9 @@ from helpers.contact_sites import SITES
 import numpy as np
 from push_control.settings import ControlSettings
 from push_control.steered.estimation.contact_detection import (
-    ContactDetector, ContactState, CusumTest, TwoHypothesisFilter)
+    ContactDetector, ContactState, TwoHypothesisFilter)
 from push_control.steered.estimation.contact_site import ContactOffset
+from push_control.steered.estimation.cusum import CusumTest
 import pytest
 
 SETTINGS = ControlSettings()

@@ -23,11 +23,13 @@ STEP = 0.02
 POSE_EVERY = 3
 
 
-def simulate(obj, seed, duration=40.0, drift=0.0, offset=0.0, noisy=True, latency=4, slip=0.0):
+def simulate(obj, seed, duration=40.0, drift=0.0, offset=0.0, noisy=True, latency=4, slip=0.0,
+             later=None):
     """
     Push quasi-statically at a vertex, weaving; return the estimator and the true states.
 
     :param slip: part of the motion of the wheels that is none of the robot.
+    :param later: the object from the middle of the push on, or None for the same.
     """
     rng = np.random.default_rng(seed)
     true = PushMotion(0.17, VERTEX, LimitSurfaceTable(obj, VERTEX.point))
@@ -41,6 +43,9 @@ def simulate(obj, seed, duration=40.0, drift=0.0, offset=0.0, noisy=True, latenc
         c_x, c_y, normal = VERTEX.contact_at(x.phi - x.theta)
         steer = 0.25 * math.sin(0.5 * k * STEP) - math.atan2(x.p_y - c_y, x.p_x - c_x) + normal
         twist = Twist(0.15, 0.0, -0.15 * math.sin(steer) / 0.17)
+        if later is not None and k == round(0.5 * duration / STEP):
+            true = PushMotion(0.17, VERTEX, LimitSurfaceTable(later, VERTEX.point))
+            x = MotionState(*x[:4], *friction_center(later), x.q)
         x = true.propagate(x, twist, STEP)
         way += 0.15 * STEP
         measured = Twist(twist.v_x / (1.0 - slip), 0.0,
@@ -78,6 +83,22 @@ def test_the_centre_of_friction_is_found():
         seen = vehicle_along(seen.contact_point, seen.arm, seen.angle,
                              math.exp(found.q) * seen.c_squared)
         assert seen.wheelbase == pytest.approx(vehicle(obj, VERTEX.point).wheelbase, rel=0.03)
+
+
+@pytest.mark.parametrize('seed', [5, 6])
+def test_a_jump_of_the_centre_of_friction_is_found_in_half_a_metre(seed: int) -> None:
+    """Twice the friction of one foot beside the push moves it by a fifth of their distance."""
+    later = box(foot=0.18, friction=(0.3, 0.6, 0.3, 0.3))
+    along = np.array(VERTEX.point) / math.hypot(*VERTEX.point)
+    across = np.array((-along[1], along[0]))
+    jump = abs(across @ (np.array(friction_center(later)) - friction_center(NOMINAL)))
+    _, history = simulate(NOMINAL, seed, duration=16.0, later=later)
+    errors = np.array([across @ (np.array(estimate.center) - true.center)
+                       for _, true, estimate in history])
+    half = len(errors) // 2
+    assert jump > 0.04 and np.abs(errors[:half - 1]).max() < 0.02
+    # 0.15 m/s for 3.3 s and more.
+    assert np.abs(errors[half + round(3.3 / STEP):]).max() < 0.4 * jump
 
 
 def test_the_estimate_is_not_biased_where_the_nominal_values_are_right():
