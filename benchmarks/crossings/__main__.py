@@ -38,7 +38,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     print(f'crossings: {len(crossings)}, touches: {len(touches)}, faster than '
           f'{MAX_TOUCH_SPEED:g} m/s: {len(fast)}, at most '
           f'{max((crossing.robot_speed for crossing in touches), default=0.0):.3f} m/s; '
-          f'done: {done} of {seed} tasks')
+          f'done: {done} of {seed} tasks', flush=True)
     stops = done = 0
     for seed in range(1, options.tasks + 1):
         result, walker = run(seed, walks=False, is_protected=is_protected,

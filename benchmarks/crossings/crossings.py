@@ -19,9 +19,11 @@ from push_sim_node.simulation import Simulation
 RADIUS, START_DISTANCE, END_DISTANCE, PAUSE, SPEEDS = 0.2, 3.0, 1.5, 3.0, (0.3, 1.6)
 # Directions that are tried for one from where the person is in the open, and sees the robot.
 TRIALS, SPACING = 20, 0.05
+# Distance of that line from the middle of the object [m]; chosen: person and box side by side.
+OBJECT_DISTANCE = 0.5
 CORNERS = 16
 # Distance from which the protective field is to slow the robot [m].
-SLOW_DISTANCE = 1.5
+SLOW_DISTANCE = 2.0
 # What a robot may do at a touch [m/s].
 MAX_TOUCH_SPEED = 0.1
 
@@ -70,7 +72,7 @@ class Walker:
             return
         robot = np.array(simulation.plant.robot_pose[:2])
         if self._speed == 0.0:
-            self._begin(robot, simulation.time)
+            self._begin(robot, np.array(simulation.plant.object_pose[:2]), simulation.time)
         if self._speed == 0.0:
             return
         covered = self._speed * (simulation.time - self._start_time)
@@ -85,8 +87,8 @@ class Walker:
         if covered > START_DISTANCE + END_DISTANCE:
             self._end(simulation)
 
-    def _begin(self, robot: FloatArray, time: float) -> None:
-        """Start where the person sees the robot, if there is such a place."""
+    def _begin(self, robot: FloatArray, obj: FloatArray, time: float) -> None:
+        """Start where the person sees the robot, with the object not between, if possible."""
         self._start_time = time
         for _ in range(TRIALS):
             angle = self._rng.uniform(-math.pi, math.pi)
@@ -96,7 +98,8 @@ class Walker:
                            - START_DISTANCE * self._direction)
             fractions = np.arange(0.0, 1.0, SPACING / START_DISTANCE)[:, None]
             line = self._start + fractions * (robot - self._start)
-            if self._floor is None or self._floor.clearance(line).min() > 0.0:
+            is_free = self._floor is None or self._floor.clearance(line).min() > 0.0
+            if is_free and np.hypot(*(line - obj).T).min() > OBJECT_DISTANCE:
                 self._speed = float(self._rng.uniform(*SPEEDS))
                 return
 
