@@ -31,7 +31,7 @@ TASKS = (
           'self._reasons.on_measurements(fault, perception.time)',
           'self._reasons.on_measurements(None, perception.time)'),
     _task('spinning wheels never end a task', 'execution',
-          'if failure.code in SPINNING and self._progress.count_spin():', 'if False:'),
+          'if failure.code in TOO_WEAK and self._progress.count_spin(failure):', 'if False:'),
     _task('a stop never ends for lack of time', 'stand_reasons',
           'StandCause.SAFETY_STOP: (STOP_TIME_LIMIT,', 'StandCause.SAFETY_STOP: (math.inf,'),
     _task('measurements are awaited for ever', 'stand_reasons',
@@ -81,7 +81,8 @@ PUSHES = (
               'if progress.overrun > miss_distance:\n            return Miss',
               'if False:\n            return Miss'),
     _behavior('a push without effect goes on', 'push_progress',
-              'if is_still and seen_distance > miss_distance:', 'if False:'),
+              'if is_still and seen_distance > miss_distance or is_over and progress.is_hindered:',
+              'if is_over and progress.is_hindered:'),
     _behavior('an early touch is ignored', 'push_progress',
               'if progress.has_touched_early:', 'if False:'),
     _behavior('the obstacle guard of straight pushes is never asked', 'straight_push',
@@ -120,7 +121,6 @@ CALIBRATIONS = (
     _calibration('a calibration goes on with a base that does not move',
                  'if amount < MIN_MOVED_RATIO * abs(expected):', 'if False:'),
     _calibration('a calibration goes on with a base that moves the other way',
-                 'return None if along * expected > 0.5 * amount * abs(expected) else (',
-                 'return None if True else ('),
+                 'if along * expected <= 0.5 * amount * abs(expected):', 'if False:'),
 )
 MUTANTS = TASKS + PUSHES + CALIBRATIONS

@@ -5,7 +5,8 @@ import subprocess
 
 from benchmarks.mutants.catalogue import GROUPS
 from benchmarks.mutants.mutant import check, Mutant, mutated
-from benchmarks.mutants.runner import copied_tree, FailingTests, MutantTester, Result
+from benchmarks.mutants.runner import (
+    copied_tree, FailingTests, MutantTester, Result, TREE)
 import pytest
 
 CODE = 'def double(x):\n    return 2 * x\n'
@@ -49,10 +50,12 @@ def test_a_mistake_has_one_place(text: str) -> None:
 
 
 def test_mutants_have_names_of_their_own_and_tests(tmp_path: Path) -> None:
-    """More than sixty of them; one whose tests are gone is refused."""
+    """Each of more than sixty has its place; one whose tests are gone is refused."""
     mutants = [mutant for group in GROUPS.values() for mutant in group]
     assert len({mutant.name for mutant in mutants}) == len(mutants) > 60
-    assert all(mutant.tests and mutant.old != mutant.new for mutant in mutants)
+    for mutant in mutants:
+        assert mutant.old != mutant.new
+        check(mutant, TREE)
     make_tree(tmp_path, TEST)
     check(MUTANT, tmp_path)
     with pytest.raises(ValueError, match='expected a file or folder'):
