@@ -20,7 +20,7 @@ from push_planner.rearrangement.problem import (
     Move, NamedObject, ObjectFailure, OrderPlan, Rearrangement)
 from push_planner.rearrangement.temporary_places import temporary_places
 
-# Grid points that a search visits; chosen: about a second.
+# Grid points that a search visits; chosen: one to two seconds.
 MAX_WORK = 6_000_000
 # Temporary places that an order may use for each object; chosen: more than one is rare.
 MAX_TEMPORARY = 2
@@ -157,7 +157,7 @@ class _OrderSearch:
 
     def _is_dominated(self, node: _Node, unplaced: list[int]) -> bool:
         """Tell whether no order that begins as a node does can be the best, or be searched."""
-        if self._has_order and self._placements.floor.work > self._max_work:
+        if self._is_spent:
             self._is_complete = False
             return True
         best = self._best
@@ -170,6 +170,11 @@ class _OrderSearch:
             return True
         self._times[key] = node.time
         return False
+
+    @property
+    def _is_spent(self) -> bool:
+        """Whether there is an order, and no budget for a better one."""
+        return self._has_order and self._placements.floor.work > self._max_work
 
     def _sorted(self, node: _Node, indices: list[int]) -> list[int]:
         """Sort objects by the least time of their moves."""
@@ -189,6 +194,9 @@ class _OrderSearch:
         tried: set[int] = set()
         for index in self._sorted(node, unplaced):
             for other in self._obstructing(node, index):
+                if self._is_spent:
+                    self._is_complete = False
+                    return
                 if other in tried or asides.count(other) == MAX_TEMPORARY:
                     continue
                 tried.add(other)

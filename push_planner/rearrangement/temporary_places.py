@@ -8,10 +8,10 @@ stays connected.
 
 from collections.abc import Sequence
 import math
+from typing import NamedTuple
 
 import numpy as np
-from push_model.geometry import BoolArray, FloatArray, Pose
-from push_planner.rearrangement.object_floor import Field, ObjectFloor
+from push_model.geometry import BoolArray, FloatArray, IntArray, Pose
 from push_planner.rearrangement.placements import GOAL, Layout, Placements
 from push_planner.straight.map_search.object_distance import DistanceGrid, UNREACHED
 
@@ -46,6 +46,7 @@ def temporary_places(placements: Placements, layout: Layout, index: int, lengths
     apart = body.outer_radius + _widest(placements, index) + MARGIN
     far = away >= apart + placements.robot_needed
     beside = (away >= apart) & ~far
+    passable = _passable(placements, layout, index)
     places: list[Pose] = []
     for is_allowed in (is_free & far, is_free & beside, is_free & ~(far | beside)):
         order = np.flatnonzero(is_allowed[1:-1, 1:-1])
@@ -60,7 +61,7 @@ def temporary_places(placements: Placements, layout: Layout, index: int, lengths
             looked_at += 1
             if looked_at > MAX_CANDIDATES:
                 break
-            if not _closes_a_door(placements, layout, index, pose):
+            if not _closes_a_door(placements, index, pose, passable):
                 places.append(pose)
                 if len(places) == MAX_PLACES:
                     return places
@@ -86,29 +87,44 @@ def _is_free(placements: Placements, layout: Layout, index: int) -> BoolArray:
     return is_free
 
 
-def _closes_a_door(placements: Placements, layout: Layout, index: int, pose: Pose) -> bool:
-    """Tell whether an object at a pose divides floor on which the robot gets everywhere."""
-    floor, body = placements.floor, placements.bodies[index]
+class _Passable(NamedTuple):
+    """
+    Floor on which something can be without the object.
+
+    :param needed: distance that it keeps [m].
+    :param is_free: where it can be, shape (r, c).
+    :param parts: connected parts of it, shape (r, c).
+    """
+
+    needed: float
+    is_free: BoolArray
+    parts: IntArray
+
+
+def _passable(placements: Placements, layout: Layout, index: int) -> list[_Passable]:
+    """Find the floor of the robot alone, and of the widest of the others in any heading."""
     obstacles = placements.obstacles(layout, index)
-    distances = floor.distances_from(body.obj, pose)
-    # The robot alone, and the widest of the others, however it is turned.
-    widest = MARGIN + _widest(placements, index)
-    return any(_divides(obstacles, distances, needed, floor)
-               for needed in (placements.robot_needed, widest))
+    result: list[_Passable] = []
+    for needed in (placements.robot_needed, MARGIN + _widest(placements, index)):
+        is_free: BoolArray = obstacles >= needed
+        result.append(_Passable(needed, is_free, placements.floor.connected_parts(is_free)))
+    return result
 
 
-def _divides(obstacles: Field, distances: Field, needed: float, floor: ObjectFloor) -> bool:
-    """
-    Tell whether an object divides a part of the floor.
-
-    :param obstacles: distances from all but the object [m].
-    :param distances: from the object [m].
-    :param needed: distance that something keeps from both [m].
-    """
-    is_free = obstacles >= needed
-    before = floor.connected_parts(is_free)
-    after = floor.connected_parts(is_free & (distances >= needed))
-    pairs, counts = np.unique(np.stack((before[after > 0], after[after > 0])), axis=1,
-                              return_counts=True)
-    parts = pairs[0, counts * floor.spacing ** 2 >= MIN_AREA]
-    return len(np.unique(parts)) < len(parts)
+def _closes_a_door(placements: Placements, index: int, pose: Pose,
+                   passable: list[_Passable]) -> bool:
+    """Tell whether an object at a pose divides a part of the floor."""
+    floor = placements.floor
+    distances = floor.distances_from(placements.bodies[index].obj, pose)
+    for needed, is_free, before in passable:
+        after = floor.connected_parts(is_free & (distances >= needed))
+        # Each part lies in one of those before.
+        counts = np.bincount(after.ravel())
+        whole = np.zeros(len(counts), dtype=np.int64)
+        whole[after] = before
+        is_part = counts * floor.spacing ** 2 >= MIN_AREA
+        is_part[0] = False
+        parts = whole[is_part]
+        if len(np.unique(parts)) < len(parts):
+            return True
+    return False

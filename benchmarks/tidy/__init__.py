@@ -1,0 +1,1 @@
+"""Benchmark of rooms with several objects: ``python -m benchmarks.tidy``."""

@@ -1,0 +1,139 @@
+"""
+Rooms with several objects, beside an order that takes the nearest object first.
+
+``orders`` plans orders alone, ``rooms`` simulates all pushes. Rows are kept in a folder, so that a
+run that was interrupted goes on where it stopped.
+"""
+
+import argparse
+from collections.abc import Sequence
+import dataclasses
+from pathlib import Path
+import sys
+import time
+
+from benchmarks.tidy.rooms import draw_room, SIDES
+import numpy as np
+from push_model.geometry import distance
+from push_planner.rearrangement.order import MAX_WORK, plan_order
+from push_planner.rearrangement.problem import Move, OrderPlan, Rearrangement
+from push_scenario.evaluation.result_row import Row
+from push_scenario.parallel import ERROR, progress_bar, run_many
+from push_scenario.tidying.tidy import OrderPlanner, tidy
+
+
+@dataclasses.dataclass(frozen=True)
+class Job:
+    """
+    One room.
+
+    :param count: of objects.
+    :param index: of the room.
+    :param order: ``searched`` or ``nearest``.
+    """
+
+    count: int
+    index: int
+    order: str = 'searched'
+
+
+def nearest_first(problem: Rearrangement) -> OrderPlan:
+    """Take the object that is nearest to the robot, whatever stands in its way."""
+    remaining = [item for item in problem.objects if not item.is_at_goal and item.goal is not None
+                 and (item.name, item.goal) not in problem.refused_moves]
+    moves: list[Move] = []
+    if remaining:
+        item = min(remaining, key=lambda item: distance(item.pose, problem.robot_pose))
+        moves = [Move(item.name, item.pose, item.goal or item.pose, False, 0.0,
+                      np.array([item.pose[:2]]))]
+    return OrderPlan(tuple(moves), {}, 0.0, True, 0)
+
+
+ORDERS: dict[str, OrderPlanner] = {'searched': plan_order, 'nearest': nearest_first}
+
+
+def order_row(job: Job) -> Row:
+    """Plan the first order of a room, and the best within the budget."""
+    row: Row = dataclasses.asdict(job)
+
+    def plan(problem: Rearrangement) -> OrderPlan:
+        for name, budget in (('first', 0), ('best', MAX_WORK)):
+            start = time.process_time()
+            result = plan_order(problem, budget)
+            row[f'{name}_cpu'] = time.process_time() - start
+            row[f'{name}_time'] = result.time
+            row['refused'] = len(result.refusals)
+            row['temporary'] = sum(move.is_temporary for move in result.moves)
+        return OrderPlan((), {}, 0.0, True, 0)
+
+    tidy(draw_room(job.count, job.index), find_order=plan)
+    return row
+
+
+def room_row(job: Job) -> Row:
+    """Put a room in order."""
+    result = tidy(draw_room(job.count, job.index), find_order=ORDERS[job.order])
+    return {**dataclasses.asdict(job),
+            'placed': sum(map(result.is_placed, result.poses)),
+            'moves': len(result.moves), 'touches': result.touches, 'duration': result.duration,
+            'failed_moves': sum(item.run.outcome.value != 'done' for item in result.moves),
+            'reasons': '; '.join(f'{name}: {report}'
+                                 for name, report in result.failures.items())}
+
+
+def order_lines(rows: Sequence[Row]) -> list[str]:
+    """Write the table of orders."""
+    lines = ['| objects | rooms | all in the order | temporary places | first answer, '
+             'CPU, median / most | best: time over that of the first, median |',
+             '| --- | --- | --- | --- | --- | --- |']
+    for count in SIDES:
+        of_count = [row for row in rows if row.get('count') == count]
+        if of_count:
+            cpu = [row['first_cpu'] for row in of_count]
+            ratio = np.median([row['best_time'] / row['first_time'] for row in of_count
+                               if row['first_time'] > 0.0])
+            lines.append(
+                f'| {count} | {len(of_count)} | {sum(not row["refused"] for row in of_count)} | '
+                f'{sum(row["temporary"] for row in of_count)} | {np.median(cpu):.2f} / '
+                f'{max(cpu):.2f} s | {ratio:.2f} |')
+    return lines
+
+
+def room_lines(rows: Sequence[Row]) -> list[str]:
+    """Write the table of rooms."""
+    lines = ['| objects, order | rooms in order | objects | touches | moves | time, median |',
+             '| --- | --- | --- | --- | --- | --- |']
+    for count, order in ((count, order) for count in SIDES for order in ORDERS):
+        some = [row for row in rows if (row.get('count'), row.get('order')) == (count, order)]
+        if some:
+            lines.append(
+                f'| {count}, {order} | {sum(row["placed"] == count for row in some)} of '
+                f'{len(some)} | {sum(row["placed"] for row in some)} of {count * len(some)} | '
+                f'{sum(row["touches"] for row in some)} | {sum(row["moves"] for row in some)} | '
+                f'{np.median([row["duration"] for row in some]):.0f} s |')
+    return lines
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the benchmark; see ``--help``."""
+    parser = argparse.ArgumentParser(prog='python -m benchmarks.tidy', description=__doc__)
+    parser.add_argument('part', choices=('orders', 'rooms'), help='what to measure')
+    parser.add_argument('--rooms', type=int, default=25, help='rooms of each size (default: 25)')
+    parser.add_argument('--sizes', type=int, nargs='+', choices=tuple(SIDES), default=list(SIDES))
+    parser.add_argument('--order', choices=tuple(ORDERS), action='append',
+                        help='order of the objects; repeat it to compare (default: both)')
+    parser.add_argument('--out', type=Path, default=Path('out/tidy'), help='folder of the rows')
+    parser.add_argument('--workers', type=int, help='processes (default: one per core)')
+    options = parser.parse_args(arguments)
+    orders = options.order or list(ORDERS) if options.part == 'rooms' else ['searched']
+    jobs = [Job(count, index, order) for index in range(options.rooms)
+            for count in options.sizes for order in orders]
+    function = room_row if options.part == 'rooms' else order_row
+    rows = run_many(function, jobs, folder=options.out / options.part, workers=options.workers,
+                    block=1, progress=progress_bar(options.part))
+    errors = [row for row in rows if ERROR in row]
+    for row in errors:
+        print(row[ERROR], file=sys.stderr)
+    lines = room_lines if options.part == 'rooms' else order_lines
+    print('\n'.join(lines([row for row in rows if ERROR not in row])))
+    return int(bool(errors))

@@ -1,0 +1,35 @@
+"""Benchmark of rooms with several objects: what its rooms are, and what its table says."""
+
+from benchmarks.tidy.benchmark import nearest_first, room_lines
+from benchmarks.tidy.rooms import draw_room, GAP
+from helpers.maps import walled_floor
+from helpers.objects import box
+from push_model.geometry import Pose
+from push_model.parameters import RoundRobot
+from push_planner.rearrangement.footprints import object_gap
+from push_planner.rearrangement.problem import NamedObject, Rearrangement
+
+
+def test_a_room_with_a_circle_keeps_its_gaps() -> None:
+    """The first object is to stand where the second stands; the robot fits between all."""
+    room = draw_room(3, 0)
+    first, second, third = room.scenarios.values()
+    assert first.goal == second.start.object
+    for one, other in ((first, second), (first, third), (second, third)):
+        assert object_gap(one.object, one.start.object.pose, other.object,
+                          other.start.object.pose) > GAP
+
+
+def test_the_nearest_object_comes_first() -> None:
+    """Whatever stands in its way."""
+    objects = tuple(NamedObject(name, box(), Pose(x, 0.0, 0.0), Pose(x, 1.0, 0.0))
+                    for name, x in (('far', 2.0), ('near', 1.0)))
+    problem = Rearrangement(objects, RoundRobot(0.17), Pose(0.0, 0.0, 0.0), walled_floor(8.0, 8.0))
+    assert [move.name for move in nearest_first(problem).moves] == ['near']
+
+
+def test_the_table_counts_rooms_and_objects() -> None:
+    """A room counts where all of its objects are at their goals."""
+    row = {'count': 3, 'order': 'searched', 'touches': 1, 'moves': 4, 'duration': 100.0}
+    *_, line = room_lines([{**row, 'placed': 3}, {**row, 'placed': 2}])
+    assert line == '| 3, searched | 1 of 2 | 5 of 6 | 2 | 8 | 100 s |'
