@@ -69,8 +69,7 @@ MUTANTS = (
                 'return InflateRobot(stds) if self._estimate.position_deviation < stds[0] else '
                 'None', 'return None'),
     _steered('rejected poses are forgotten', 'estimator',
-             'if not is_accepted:\n            self.rejected_poses += 1',
-             'if False:\n            self.rejected_poses += 1'),
+             'self.rejected_poses += 1', 'self.rejected_poses += 0'),
     _steered('an object that was moved is not followed', 'estimator',
              'if is_possible and len(self._rejected) == AGREEING_COUNT:', 'if False:'),
     _steered('what poses say against odometry is not added up', 'estimator',
@@ -84,7 +83,8 @@ MUTANTS = (
     _steered('the heading error is not averaged', 'dead_reckoning',
              'averaged = robot.heading_error + min(1.0,', 'averaged = robot.heading_error + 0.0 * '
              'min(1.0,'),
-    _steered('slip is said to the other side', 'contact_detection',
-             'return 1 if above > self._threshold else -1',
-             'return -1 if above > self._threshold else 1'),
+    Mutant('slip is said to the other side', 'push_control/steered/estimation/cusum.py',
+           'return 1 if above > self._threshold else -1',
+           'return -1 if above > self._threshold else 1',
+           (f'{STEERED}/test_contact_detection.py', STEERED)),
 )
