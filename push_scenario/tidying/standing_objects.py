@@ -6,7 +6,7 @@ from typing import NamedTuple, Sequence
 
 import numpy as np
 from push_dynamics.walls import Wall
-from push_model.geometry import FloatArray, Pose
+from push_model.geometry import FloatArray, Pose, wrap_angle
 from push_model.parameters import PushedObject
 from push_navigation.settings import MapSettings
 from push_planner.rearrangement.footprints import distances_to_object, placed_points
@@ -66,6 +66,16 @@ def outline_walls(standing: StandingObject) -> list[Wall]:
         vertices = obj.radius * np.stack((np.cos(angles), np.sin(angles)), axis=1)
     points = placed_points(vertices, pose).tolist()
     return [Wall(*start, *end) for start, end in zip(points, points[1:] + points[:1])]
+
+
+def last_pose(tape: Tape, body: str) -> Pose:
+    """
+    Return the pose at the end of a tape, whose angles are not wrapped, with one that is.
+
+    :param body: ``object`` or ``robot``.
+    """
+    x, y, theta = tape.poses(body)[-1].tolist()
+    return Pose(x, y, wrap_angle(theta))
 
 
 def least_gap(tape: Tape, obj: PushedObject, robot_radius: float,

@@ -25,7 +25,7 @@ from push_scenario.simulation.loop import ProgressCallback, simulate
 from push_scenario.simulation.result import Outcome, RunResult
 from push_scenario.tidying.room import Room
 from push_scenario.tidying.standing_objects import (
-    least_gap, outline_walls, StandingObject, TOUCH_GAP, with_obstacles)
+    last_pose, least_gap, outline_walls, StandingObject, TOUCH_GAP, with_obstacles)
 
 # Moves of one object that may fail, and moves in all for each object; chosen.
 MAX_FAILURES = 3
@@ -177,8 +177,8 @@ class _TidyRun:
                 name for name, pose in self._poses.items() if name != move.name and least_gap(
                     run.tape, scenario.true_object, scenario.robot.radius,
                     StandingObject(self._room.scenarios[name].true_object, pose)) < TOUCH_GAP)
-            self._poses[move.name] = Pose(*run.tape.poses('object')[-1].tolist())
-            self._robot_pose = Pose(*run.tape.poses('robot')[-1].tolist())
+            self._poses[move.name] = last_pose(run.tape, 'object')
+            self._robot_pose = last_pose(run.tape, 'robot')
         result = MoveResult(move, run, touched)
         self._moves.append(result)
         if run.outcome is Outcome.DONE:

@@ -14,7 +14,7 @@ from push_scenario.definition.floor_map import FloorMap
 from push_scenario.tidying import cli
 from push_scenario.tidying.room import Room, room_from_text
 from push_scenario.tidying.standing_objects import (
-    least_gap, outline_walls, StandingObject, with_obstacles)
+    last_pose, least_gap, outline_walls, StandingObject, with_obstacles)
 from push_scenario.tidying.tidy import tidy
 from push_sim_node.tape import Tape
 import pytest
@@ -98,6 +98,13 @@ def test_gaps_are_those_of_the_nearest_bodies() -> None:
     assert least_gap(tape_of(far, beside), box(), 0.17, turned) == pytest.approx(0.1)
     assert least_gap(tape_of(Pose(0.4, 0.0, 0.0), far), box(), 0.17,
                      standing) == pytest.approx(0.03)
+
+
+def test_a_robot_that_has_turned_round_and_round_starts_anew() -> None:
+    """Headings of a tape are not wrapped, those of a start are."""
+    tape = tape_of(Pose(1.0, 2.0, 9.0), Pose(0.0, 0.0, -8.0))
+    assert last_pose(tape, 'robot') == pytest.approx((1.0, 2.0, 9.0 - 2.0 * math.pi))
+    assert last_pose(tape, 'object').theta == pytest.approx(2.0 * math.pi - 8.0)
 
 
 @pytest.mark.slow
