@@ -16,6 +16,7 @@ import time
 from typing import Any, NamedTuple, Sequence
 
 from benchmarks.controller.tables import wilson
+from benchmarks.map_plans.ideal_push import Escape, find_escape
 from benchmarks.map_plans.instances import (
     building, flat, Instance, Nook, nook, passage, public,
 )
@@ -52,6 +53,8 @@ class Row(NamedTuple):
     :param width: of the passage over that of the object, or 0.
     :param found: whether each has a plan.
     :param causes: codes of the refusals of those that have none.
+    :param impossible: whether no ideal pushes bring the object away, of each that has no plan and
+        was asked for it.
     :param seconds: CPU time of the plan of each [s].
     :param pushes: of those that have one.
     :param done: whether each was driven to its goal; empty where none was driven.
@@ -61,13 +64,14 @@ class Row(NamedTuple):
     width: float
     found: list[bool]
     causes: list[PlanFailure]
+    impossible: list[bool]
     seconds: list[float]
     pushes: list[int]
     done: list[bool]
 
 
 def measure(name: str, instances: Sequence[Instance], *, width: float = 0.0,
-            drives: bool = False, drift: float = 0.0) -> Row:
+            drives: bool = False, drift: float = 0.0, explains: bool = False) -> Row:
     """
     Plan tasks, and drive them where that is wanted.
 
@@ -77,8 +81,9 @@ def measure(name: str, instances: Sequence[Instance], *, width: float = 0.0,
     :param drives: whether to drive them.
     :param drift: growth of the deviation of the robot per distance, and of its heading
         [m/m, rad/m].
+    :param explains: whether to ask of refused tasks if ideal pushes bring the object away.
     """
-    row = Row(name, width, [], [], [], [], [])
+    row = Row(name, width, [], [], [], [], [], [])
     for instance in instances:
         request = PlanRequest(instance.start, instance.robot_start, instance.goal, instance.obj,
                               odometry_slope=drift, odometry_drift=drift)
@@ -91,6 +96,8 @@ def measure(name: str, instances: Sequence[Instance], *, width: float = 0.0,
             row.causes.append(failure.code)
         row.seconds.append(time.process_time() - started)
         row.found.append(plan is not None)
+        if plan is None and explains:
+            row.impossible.append(find_escape(instance) is Escape.IMPOSSIBLE)
         if plan is not None:
             row.pushes.append(1 + (0 if plan.remaining is None else len(plan.remaining.pushes)))
         if drives:
@@ -133,7 +140,8 @@ def nooks(count: int, drives: bool) -> list[Row]:
             measure('', [nook(Nook.TO_WALL, name, DRIVES[0], count)])
             for kind in Nook:
                 rows.append(measure(f'{name}: {kind.value}', [
-                    nook(kind, name, DRIVES[0], seed) for seed in range(count)], drives=drives))
+                    nook(kind, name, DRIVES[0], seed) for seed in range(count)], drives=drives,
+                    explains=True))
                 bar.update()
     return rows
 
@@ -168,19 +176,21 @@ def growth(count: int) -> list[Row]:
 def table(rows: Sequence[Row]) -> str:
     """Format rows as a Markdown table."""
     lines = ['| tasks | width / object | plan found (95 %) | CPU median / p95 / most [s] | pushes '
-             'median, most | driven | refusals |', '| --- | --- | --- | --- | --- | --- | --- |']
+             'median, most | driven | refusals | impossible |',
+             '| --- | --- | --- | --- | --- | --- | --- | --- |']
     for row in rows:
         count = len(row.found)
         low, high = wilson(sum(row.found), count)
         median, late = np.percentile(row.seconds, (50, 95))
         pushes = f'{np.median(row.pushes):g}, {max(row.pushes)}' if row.pushes else ''
         driven = f'{sum(row.done)} of {count}' if row.done else ''
+        impossible = sum(row.impossible) if row.impossible else ''
         causes = ', '.join(f'{number} {cause.name}'
                            for cause, number in Counter(row.causes).most_common())
         lines.append(
             f'| {row.name} | {row.width or ""} | {sum(row.found)} of {count} ({100 * low:.0f} to '
             f'{100 * high:.0f} %) | {median:.3f} / {late:.3f} / {max(row.seconds):.3f} | '
-            f'{pushes} | {driven} | {causes} |')
+            f'{pushes} | {driven} | {causes} | {impossible} |')
     return '\n'.join(lines) + '\n'
 
 

@@ -14,7 +14,7 @@ from typing import NamedTuple
 from benchmarks.tasks.maps import inner_reach
 import numpy as np
 from push_model.contact import find_contact
-from push_model.geometry import BoolArray, distance, IntArray, Pose
+from push_model.geometry import BoolArray, distance, FloatArray, IntArray, Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_navigation.map_file import GridMap, read_map
 from push_navigation.occupancy_map import OccupancyMap
@@ -163,21 +163,43 @@ def robot_cells(occupancy_map: OccupancyMap, robot_fits: BoolArray, obj: PushedO
     :param radius: of the robot [m].
     :return: shape as of ``robot_fits``.
     """
+    free, touching = contact_cells(occupancy_map, robot_fits, obj, start, radius)
+    if not touching.any():
+        return touching
+    reached = binary_dilation(touching, mask=free,
+                              iterations=round(MAX_ROBOT_PATH / occupancy_map.resolution))
+    return reached & (_gaps(occupancy_map, obj, start, radius) > CLEARANCE)
+
+
+def contact_cells(occupancy_map: OccupancyMap, robot_fits: BoolArray, obj: PushedObject,
+                  start: Pose, radius: float) -> tuple[BoolArray, BoolArray]:
+    """
+    Find where the robot fits beside the object, and from where it could touch it by a small step.
+
+    :param robot_fits: whether the robot keeps clear of obstacles in each cell.
+    :param start: ``Pose`` of the object.
+    :param radius: of the robot [m].
+    :return: both of the shape of ``robot_fits``.
+    """
+    gaps = _gaps(occupancy_map, obj, start, radius)
+    free = robot_fits & (gaps > 0.0)
+    return free, free & (gaps < occupancy_map.resolution + TOUCHING)
+
+
+def _gaps(occupancy_map: OccupancyMap, obj: PushedObject, start: Pose,
+          radius: float) -> FloatArray:
+    """Measure the gap between object and robot in each cell, infinite where it is large [m]."""
     side = occupancy_map.resolution
     extent = max((math.hypot(*corner) for corner in obj.outline), default=obj.radius)
-    rows, columns = np.indices(robot_fits.shape)
+    shape = occupancy_map.occupied.shape
+    rows, columns = np.indices(shape)
     x, y = occupancy_map.to_map([start[:2]])[0] / side
     near = np.hypot(columns + 0.5 - x, rows + 0.5 - y) * side < extent + radius + 2.0 * side
-    gaps = np.full(robot_fits.shape, math.inf)
+    gaps = np.full(shape, math.inf)
     centers = side * (np.argwhere(near)[:, ::-1] + 0.5)
     gaps[near] = [find_contact(obj, start, point, radius)[2]
                   for point in occupancy_map.from_map(centers).tolist()]
-    free = robot_fits & (gaps > 0.0)
-    touching = free & (gaps < side + TOUCHING)
-    if not touching.any():
-        return touching
-    reached = binary_dilation(touching, mask=free, iterations=round(MAX_ROBOT_PATH / side))
-    return reached & (gaps > CLEARANCE)
+    return gaps
 
 
 def _at_cell(places: _Places, cell: int, rng: np.random.Generator) -> Pose:

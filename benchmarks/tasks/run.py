@@ -13,7 +13,7 @@ from benchmarks.tasks.weight import weight_record
 from push_control.task.code_text import code_text
 from push_control.task.status import SupervisorStatus, TaskState
 from push_control.task.supervisor import Supervisor
-from push_model.parameters import PushedObject
+from push_model.parameters import PushedObject, Support
 from push_model.plan_request import PlanRequest
 from push_navigation.settings import MapSettings
 from push_scenario.definition.floor_map import FloorMap
@@ -195,7 +195,7 @@ def _clearances_of_cells(case: Case, floor_map: FloorMap, tape: Tape) -> Record:
     """Find the least clearances from occupied cells; unknown ones are no walls."""
     occupancy_map = floor_map.read(MapSettings(allow_unknown=True))
     robot, obj = case.scenario.true_robot, case.scenario.true_object
-    disc = PushedObject(mass=1.0, radius=robot.radius)
+    disc = PushedObject(mass=1.0, radius=robot.radius, supports=(Support(0.0, 0.0, 1.0),))
     return {f'{name}_clearance': occupancy_map.object_clearance(
         body, distinct_poses(tape.poses(name))) for name, body in (('robot', disc),
                                                                    ('object', obj))}

@@ -13,7 +13,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from push_model.geometry import distance, FloatArray, Pose
+from push_model.geometry import BoolArray, distance, FloatArray, Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.trajectory import PushStyle
@@ -63,6 +63,8 @@ MAX_WORK = 12_000_000
 # First pushes whose paths are planned, until one is found, and where the robot goes round through
 # other rooms, which takes ten times as long to search.
 MAX_FIRST_PUSHES, MAX_WIDE_PUSHES = 12, 3
+# The same of all margins together; chosen: the path to each takes up to 0.1 s.
+MAX_BLOCKED = 16
 # Overlap of object and obstacles that is taken for an error of its pose [m], besides half a cell,
 # by which the map may be wrong; chosen.
 MAX_OVERLAP = 0.02
@@ -234,10 +236,14 @@ class _MapPlanner:
         failures: list[SearchResult] = []
         expansions, work = 0, 0
         is_exhausted = False
+        # Pushes whose start the robot does not get to; paths do not depend on the margins.
+        blocked = np.zeros(len(known.pushes.primitives), dtype=np.bool_)
         for margins in self._margins():
-            if work >= MAX_WORK or (margins.is_wide and not is_exhausted):
+            if (work >= MAX_WORK or np.count_nonzero(blocked) >= MAX_BLOCKED
+                    or (margins.is_wide and not is_exhausted)):
                 break
-            for result in _alternatives(known, margins._replace(max_work=MAX_WORK - work)):
+            for result in _alternatives(known, margins._replace(max_work=MAX_WORK - work),
+                                        blocked):
                 expansions += result.expansions
                 work += result.work
                 is_exhausted = result.end is SearchEnd.EXHAUSTED
@@ -352,9 +358,13 @@ class _MapPlanner:
         return known.search.run(*known.poses, certain, blocked).farthest > 0.0
 
 
-def _alternatives(known: _Known, margins: Margins) -> Iterator[SearchResult]:
-    """Generate the best chains of pushes that start differently, and at last what ends them."""
-    blocked = np.zeros(len(known.pushes.primitives), dtype=np.bool_)
+def _alternatives(known: _Known, margins: Margins,
+                  blocked: BoolArray) -> Iterator[SearchResult]:
+    """
+    Generate the best chains of pushes that start differently, and at last what ends them.
+
+    :param blocked: whether a push may not come first; those that came first are added.
+    """
     for _ in range(MAX_WIDE_PUSHES if margins.is_wide else MAX_FIRST_PUSHES):
         result = known.search.run(*known.poses, margins, blocked)
         yield result
