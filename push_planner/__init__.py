@@ -13,12 +13,13 @@ from typing import TYPE_CHECKING
 from push_model.files.lazy_names import lazy_names
 
 if TYPE_CHECKING:
+    from push_model.events import ObjectFailure
     from push_model.plan_request import PlanFailure, PlanRequest
     from push_planner.problem import (
         InitialMotion, PlanningFailed, problem_from_placement, PushProblem)
     from push_planner.rearrangement.order import plan_order
     from push_planner.rearrangement.problem import (
-        NamedObject, ObjectFailure, OrderPlan, Rearrangement)
+        NamedObject, OrderPlan, Rearrangement)
     from push_planner.settings import PlannerSettings
     from push_planner.steered.plan import Plan
     from push_planner.steered.planner import plan_push
@@ -39,6 +40,7 @@ __all__ = [
 ]
 
 __getattr__, __dir__ = lazy_names(__name__, {
+    'push_model.events': ('ObjectFailure',),
     'push_model.plan_request': ('PlanFailure', 'PlanRequest'),
     'push_planner.steered.plan': ('Plan',),
     'push_planner.problem': ('InitialMotion', 'PlanningFailed', 'problem_from_placement',
@@ -50,8 +52,7 @@ __getattr__, __dir__ = lazy_names(__name__, {
     'push_planner.steered.verification.verification': ('Verification', 'verify'),
     'push_planner.steered.task_push': ('plan_steered_push',),
     'push_planner.rearrangement.order': ('plan_order',),
-    'push_planner.rearrangement.problem': ('NamedObject', 'ObjectFailure', 'OrderPlan',
-                                           'Rearrangement'),
+    'push_planner.rearrangement.problem': ('NamedObject', 'OrderPlan', 'Rearrangement'),
     'push_planner.task_plan': ('TaskPlan',),
     'push_planner.straight.candidates': ('straight_pushes', 'StraightPushes'),
     'push_planner.task_planner': ('plan_for_request', 'PushPlanner'),

@@ -2,13 +2,14 @@
 
 from push_control.behaviors.failures import BehaviorFailure
 from push_control.events import PerceptionEvent, TaskEvent
-from push_model.events import Codes, PushEvent
+from push_model.events import Codes, ObjectFailure, PushEvent
 from push_model.plan_request import PlanFailure
 from push_navigation.path import PathFailure
+from push_safety.protective_field import ProtectiveCause
 from push_safety.status import SafetyReason
 
-CODE_KINDS = (TaskEvent, PerceptionEvent, BehaviorFailure, PushEvent, SafetyReason, PathFailure,
-              PlanFailure)
+CODE_KINDS = (TaskEvent, PerceptionEvent, BehaviorFailure, PushEvent, ObjectFailure, SafetyReason,
+              ProtectiveCause, PathFailure, PlanFailure)
 _CODES = {str(code): code for kind in CODE_KINDS for code in kind}
 
 

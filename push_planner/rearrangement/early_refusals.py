@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 
-from push_model.events import Report
+from push_model.events import ObjectFailure, Report
 from push_navigation.occupancy_map import OccupancyMap
 from push_planner.rearrangement.footprints import object_gap
 from push_planner.rearrangement.moves import MIN_GAP
-from push_planner.rearrangement.problem import NamedObject, ObjectFailure
+from push_planner.rearrangement.problem import NamedObject
 from push_planner.straight.map_search.planner import MAX_OVERLAP
 
 

@@ -10,14 +10,14 @@ stands in the way of another is moved to a temporary place: that breaks circles,
 import math
 from typing import NamedTuple
 
-from push_model.events import Report
+from push_model.events import ObjectFailure, Report
 from push_model.geometry import FloatArray, Pose
 from push_planner.rearrangement.early_refusals import early_refusals
 from push_planner.rearrangement.moves import MoveEvaluator, MoveOption, Regions
 from push_planner.rearrangement.object_floor import descend
 from push_planner.rearrangement.placements import GOAL, Layout, Placements, START
 from push_planner.rearrangement.problem import (
-    Move, NamedObject, ObjectFailure, OrderPlan, Rearrangement)
+    Move, NamedObject, OrderPlan, Rearrangement)
 from push_planner.rearrangement.temporary_places import temporary_places
 
 # Grid points that a search visits; chosen: one to two seconds.

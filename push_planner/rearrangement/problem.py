@@ -3,26 +3,12 @@
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from push_model.events import Cause, Report
+from push_model.events import ObjectFailure, Report
 from push_model.geometry import FloatArray, Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.plan_request import GoalTolerances
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.settings import DriveSettings
-
-
-class ObjectFailure(Cause):
-    """Reason why an object does not get to its goal."""
-
-    START_NOT_FREE = 'it stands where the map has an obstacle or ends'
-    GOAL_NOT_FREE = 'its goal is where the map has an obstacle or ends'
-    GOALS_OVERLAP = 'its goal overlaps that of {other}'
-    TOO_NARROW = 'the floor is too narrow for it, even without the other objects'
-    BLOCKED = '{others} stand in its way, and cannot be moved out of it first'
-    NO_TEMPORARY_PLACE = '{others} stand in its way, and there is no free place for them'
-    NO_ROOM_FOR_ROBOT = 'the robot has no room to push it from where it stands to its goal'
-    SEARCH_LIMIT = 'no order was found before the search had to end'
-    PUSHES_FAILED = 'its pushes failed: {reason}'
 
 
 class NamedObject(NamedTuple):

@@ -13,12 +13,12 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from push_model.events import Report
+from push_model.events import ObjectFailure, Report
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.plan_request import GoalTolerances
 from push_planner.rearrangement.order import plan_order
 from push_planner.rearrangement.problem import (
-    Move, NamedObject, ObjectFailure, OrderPlan, Rearrangement)
+    Move, NamedObject, OrderPlan, Rearrangement)
 from push_scenario.definition.placement import Placement
 from push_scenario.definition.scenario import Scenario, Start
 from push_scenario.simulation.loop import ProgressCallback, simulate

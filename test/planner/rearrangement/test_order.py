@@ -6,6 +6,7 @@ import math
 from helpers.maps import walled_floor
 from helpers.objects import bin_, box
 import numpy as np
+from push_model.events import ObjectFailure
 from push_model.geometry import BoolArray, boundary_point, distance, Pose
 from push_model.parameters import RoundRobot
 from push_navigation.occupancy_map import OccupancyMap
@@ -13,7 +14,7 @@ from push_planner.rearrangement.moves import MoveEvaluator
 from push_planner.rearrangement.order import plan_order
 from push_planner.rearrangement.placements import GOAL, Placements, START
 from push_planner.rearrangement.problem import (
-    NamedObject, ObjectFailure, OrderPlan, Rearrangement)
+    NamedObject, OrderPlan, Rearrangement)
 from push_planner.straight.map_search.object_distance import narrowest_passage
 from push_planner.straight.map_search.scene import Floor
 import pytest

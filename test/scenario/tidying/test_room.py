@@ -6,10 +6,10 @@ from pathlib import Path
 
 from helpers.objects import bin_, box
 import numpy as np
+from push_model.events import ObjectFailure
 from push_model.files.strict_yaml import ParameterFileError
 from push_model.geometry import distance, Pose
 from push_navigation.settings import MapSettings
-from push_planner.rearrangement.problem import ObjectFailure
 from push_scenario.definition.floor_map import FloorMap
 from push_scenario.tidying import cli
 from push_scenario.tidying.room import Room, room_from_text
