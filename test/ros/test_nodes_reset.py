@@ -15,7 +15,7 @@ pytestmark = [pytest.mark.dds, pytest.mark.slow]
 
 MODULES = {PLANNER: 'push_planner.planner_node', CONTROLLER: 'push_control.controller_node'}
 SECTIONS = launch_parameters(config_file('push.yaml'))
-GOAL = Pose(0.3, 0.0, 0.0)
+GOAL = Pose(0.3, 0.0, -0.785)
 NEAR = 0.03
 # Speed of a robot that stands [m/s, rad/s].
 STANDING = 1e-3
