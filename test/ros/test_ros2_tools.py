@@ -23,7 +23,7 @@ POSE = '{header: {frame_id: odom}, pose: {position: {x: %g, y: 0.5}, orientation
 # Wall time in which a command that asks no daemon meets the nodes [s]; it is waited for anyhow.
 DISCOVERY_TIME = '5'
 # Far enough that nobody is there before the goal is cancelled [m].
-FAR = 30.0
+FAR = 20.0
 
 
 @pytest.fixture(scope='module')
