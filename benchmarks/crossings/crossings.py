@@ -72,7 +72,7 @@ class Walker:
             return
         robot = np.array(simulation.plant.robot_pose[:2])
         if self._speed == 0.0:
-            self._begin(robot, np.array(simulation.plant.object_pose[:2]), simulation.time)
+            self._start_walk(robot, np.array(simulation.plant.object_pose[:2]), simulation.time)
         if self._speed == 0.0:
             return
         covered = self._speed * (simulation.time - self._start_time)
@@ -87,7 +87,7 @@ class Walker:
         if covered > START_DISTANCE + END_DISTANCE:
             self._end(simulation)
 
-    def _begin(self, robot: FloatArray, obj: FloatArray, time: float) -> None:
+    def _start_walk(self, robot: FloatArray, obj: FloatArray, time: float) -> None:
         """Start where the person sees the robot, with the object not between, if possible."""
         self._start_time = time
         for _ in range(TRIALS):
@@ -106,7 +106,9 @@ class Walker:
     def _end(self, simulation: Simulation) -> None:
         self.crossings.append(Crossing(self._speed, self._robot_speed, self._gap))
         simulation.show_visitor(np.zeros((0, 2)))
-        self._speed, self._gap, self._robot_speed = 0.0, math.inf, 0.0
+        self._speed = 0.0
+        self._gap = math.inf
+        self._robot_speed = 0.0
         self._start_time = simulation.time + PAUSE
 
 
