@@ -1,0 +1,72 @@
+"""Laws of a robot on two wheels and a caster, in an engine that knows none of their equations."""
+
+import dataclasses
+import math
+
+from helpers.extras import import_extra
+import numpy as np
+from push_dynamics.walls import Wall
+from push_sim_node.lidar import distances_to_segments
+import pytest
+
+wheeled_robot = import_extra('mujoco', 'validation', 'benchmarks.plant.wheeled_robot')
+TURTLEBOT_4, WheeledPlant = wheeled_robot.TURTLEBOT_4, wheeled_robot.WheeledPlant
+pytestmark = pytest.mark.physics
+# Its caster stays on the floor and bears no force along it.
+HEAVY_FRONT = dataclasses.replace(TURTLEBOT_4, body_center=(0.045, 0.0, 0.09), caster_friction=0.0)
+ROOM = [Wall(2.0, -1.5, 2.0, 1.0), Wall(2.0, 1.0, -1.0, 1.4), Wall(-1.0, 1.4, -1.3, -1.5),
+        Wall(-1.3, -1.5, 2.0, -1.5)]
+
+
+@pytest.mark.parametrize('speed', [0.2, -0.2])
+def test_a_straight_drive_goes_radius_times_angle(speed) -> None:
+    plant = WheeledPlant(TURTLEBOT_4)
+    plant.advance(1.0, speed, 0.0)
+    left, right = plant.wheel_angles
+    assert left == pytest.approx(right, rel=1e-6)
+    assert plant.pose.x == pytest.approx(TURTLEBOT_4.wheel_radius * left, rel=5e-3)
+    braked = speed**2 / TURTLEBOT_4.max_acceleration / 2.0
+    assert abs(plant.pose.x) == pytest.approx(abs(speed) - braked, rel=0.02)
+    assert abs(plant.pose.y) < 1e-6 and abs(plant.pose.theta) < 1e-6
+
+
+@pytest.mark.parametrize('yaw_rate', [1.0, -1.0])
+def test_a_spin_turns_by_the_difference_of_the_wheels(yaw_rate) -> None:
+    plant = WheeledPlant(TURTLEBOT_4)
+    plant.advance(1.0, 0.0, yaw_rate)
+    left, right = plant.wheel_angles
+    by_wheels = TURTLEBOT_4.wheel_radius * (right - left) / TURTLEBOT_4.track
+    assert plant.pose.theta == pytest.approx(by_wheels, rel=1e-2)
+    assert abs(plant.pose.theta) > 0.9 * abs(yaw_rate)
+    assert math.hypot(*plant.pose[:2]) < 2e-3
+
+
+@pytest.mark.parametrize('friction', [0.4, 0.8])
+@pytest.mark.parametrize('height', [0.02, 0.04])
+def test_wheels_spin_at_the_traction_of_their_load(friction, height) -> None:
+    robot = dataclasses.replace(HEAVY_FRONT, wheel_friction=friction, bumper_height=height)
+    assert robot.traction < robot.lifting_force
+    assert wheeled_robot.pushing_force(robot) == pytest.approx(robot.traction, rel=0.02)
+
+
+def test_weak_motors_stall_before_the_wheels_spin() -> None:
+    robot = dataclasses.replace(HEAVY_FRONT, motor_torque=0.1)
+    stalled = 2.0 * robot.motor_torque / robot.wheel_radius
+    assert stalled < robot.traction
+    assert wheeled_robot.pushing_force(robot) == pytest.approx(stalled, rel=0.02)
+
+
+def test_the_lidar_measures_the_walls_to_a_millimetre() -> None:
+    """After a drive, from where the robot is."""
+    plant = WheeledPlant(TURTLEBOT_4, ROOM)
+    plant.advance(1.0, 0.2, 0.6)
+    plant.advance(0.5, 0.0, 0.0)
+    pose = plant.pose
+    angles = pose.theta + np.linspace(0.0, 2.0 * math.pi, 90, endpoint=False)
+    rays = np.stack((np.cos(angles), np.sin(angles)), axis=1)
+    lens = np.array([pose.transform(TURTLEBOT_4.lidar[:2])])
+    segments = np.array([(wall.start_x, wall.start_y, wall.end_x, wall.end_y) for wall in ROOM])
+    expected = distances_to_segments(np.repeat(lens, 90, axis=0), rays, segments)
+    assert np.isfinite(expected).all()
+    assert plant.scan(90) == pytest.approx(expected, abs=1e-3)
+    assert np.isinf(plant.scan(90, max_range=0.1)).all()
