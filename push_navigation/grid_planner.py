@@ -12,6 +12,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from push_model.geometry import BoolArray, Coordinates, FloatArray, IntArray, Pose
 from push_navigation.map_clearance import MapClearance
 from push_navigation.obstacle import InflatedObstacle
@@ -36,6 +37,8 @@ NEARNESS_COST = 1.0
 # The gap of a robot that may drift off its route, with the same cost for each length that it lacks
 # [m]; chosen: half the width of a corridor.
 DRIFTING_GAP = 0.6
+# Places on a line of sight of which one is looked at first; chosen: the width of a robot apart.
+COARSE_STEP = 16
 # Gap that a shortcut may lose [m]; chosen: below a cell, so that routes get straight.
 SHORTCUT_LOSS = 0.02
 
@@ -77,31 +80,65 @@ def grid_waypoints(margins: MapClearance, body: InflatedObstacle, object_pose: P
     windows = dict.fromkeys(_window(margins.context.occupancy_map, ends, margin)
                             for margin in WINDOW_MARGINS)
     for window in windows:
-        corners = _route_in_window(space, margins, ends, window)
+        tree = _route_tree(margins, body, object_pose, (float(start[0]), float(start[1])), window)
+        corners = _route_to(space, tree, *ends)
         if corners is not None:
             return [Waypoint(float(x), float(y)) for x, y in corners[1:]]
     raise NoPathFound(PathFailure.NO_ROUTE.report())
 
 
-def _route_in_window(space: '_FreeSpace', margins: MapClearance, ends: FloatArray,
-                     window: tuple[int, int, int, int]) -> FloatArray | None:
-    """Find the corners of the best route in a part of the map; None where there is none."""
-    occupancy_map, gap = margins.context.occupancy_map, _comfortable_gap(margins)
-    grid = _grid_graph(occupancy_map, margins.radius + margins.margin, window)
-    links = [_links(space, grid, len(grid.points) + i, end) for i, end in enumerate(ends)]
-    points = np.concatenate([grid.points, ends])
+class _RouteTree(NamedTuple):
+    """
+    Best routes from one start to all grid points of a window.
+
+    :param points: (x, y) in the world, shape (n, 2) [m].
+    :param spacing: distance between neighbours along a row [m].
+    :param costs: of the route to each point, shape (n,) [m]; infinite where none leads there.
+    :param before: number of the point before each, negative where that is the start.
+    """
+
+    points: FloatArray
+    spacing: float
+    costs: FloatArray
+    before: IntArray
+
+
+# The paths to all first pushes of a plan start alike, with three clearances in two windows, and
+# whether drift counts or not; a tree of a flat takes a megabyte.
+@functools.lru_cache(maxsize=16)
+def _route_tree(margins: MapClearance, body: InflatedObstacle, object_pose: Pose,
+                start: tuple[float, float], window: tuple[int, int, int, int]) -> _RouteTree:
+    # Imported here: without a map nothing of scipy is needed.
+    from scipy.sparse import csr_matrix
+    from scipy.sparse.csgraph import dijkstra
+    space, end = _FreeSpace(margins, body, object_pose), np.array(start)
+    grid = grid_graph(margins.context.occupancy_map, margins.radius + margins.margin, window)
     free = space.keeps_off_object(grid) & (
         grid.clearances >= margins.required(grid.points)[grid.edges].max(axis=1))
-    edges = np.concatenate([grid.edges[free], *links])
-    clearances = np.concatenate([grid.clearances[free], *(
-        occupancy_map.clearance(points[link[:, 1]]) for link in links)])
-    lengths = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
-    shortfalls = np.clip(1.0 - (clearances - margins.radius) / gap, 0.0, 1.0)
-    # Rounded, so that ties do not depend on how the map lies in the world.
-    nearness = NEARNESS_COST * gap / COMFORTABLE_GAP
-    costs = np.round(lengths * (1.0 + nearness * shortfalls), 6)
-    route = _shortest_route(edges, costs, len(points))
-    return _straightened(space, points[route], grid.spacing) if route else None
+    edges, count = grid.edges[free], len(grid.points)
+    lengths = np.linalg.norm(grid.points[edges[:, 0]] - grid.points[edges[:, 1]], axis=1)
+    seen, link_costs = _links(space, grid.points, grid.spacing, end)
+    # The start is one point more.
+    ends = np.concatenate([edges, np.stack((np.full_like(seen, count), seen), axis=1)])
+    costs = np.concatenate([space.costs(lengths, grid.clearances[free]), link_costs])
+    graph = csr_matrix((costs, ends.T), shape=(count + 1, count + 1))
+    away, before = dijkstra(graph, directed=False, indices=count, return_predecessors=True)
+    before[before == count] = -1
+    return _RouteTree(grid.points, grid.spacing, away[:count], before[:count])
+
+
+def _route_to(space: '_FreeSpace', tree: _RouteTree, start: FloatArray,
+              goal: FloatArray) -> FloatArray | None:
+    """Find the corners of the best route to a goal; None where there is none in the window."""
+    seen, link_costs = _links(space, tree.points, tree.spacing, goal)
+    costs = tree.costs[seen] + link_costs
+    if not math.isfinite(costs.min(initial=math.inf)):
+        return None
+    route = [int(seen[np.argmin(costs)])]
+    while tree.before[route[-1]] >= 0:
+        route.append(int(tree.before[route[-1]]))
+    points = np.concatenate([[start], tree.points[route[::-1]], [goal]])
+    return _straightened(space, points, tree.spacing)
 
 
 def _comfortable_gap(margins: MapClearance) -> float:
@@ -123,20 +160,49 @@ class _FreeSpace:
         """Distance of points from the inflated object."""
         return self._body.distances((points - self._object_position) @ self._object_rotation)
 
+    def clearance(self, points: FloatArray) -> FloatArray:
+        """Distance of points from obstacles."""
+        return self._map.clearance(points)
+
     def gap_distances(self, points: FloatArray) -> FloatArray:
         """Distance of points from obstacles, as far as that is of concern."""
         gap = _comfortable_gap(self._margins)
         return np.minimum(self._map.clearance(points), self._margins.radius + gap)
 
+    def costs(self, lengths: FloatArray, clearances: FloatArray) -> FloatArray:
+        """
+        Compute what edges cost, so that routes keep to the middle of passages [m].
+
+        :param lengths: of the edges, shape (n,) [m].
+        :param clearances: least distance from obstacles on each, shape (n,) [m].
+        """
+        gap = _comfortable_gap(self._margins)
+        shortfalls = np.clip(1.0 - (clearances - self._margins.radius) / gap, 0.0, 1.0)
+        # Rounded, so that ties do not depend on how the map lies in the world.
+        nearness = NEARNESS_COST * gap / COMFORTABLE_GAP
+        return np.round(lengths * (1.0 + nearness * shortfalls), 6)
+
     def sees(self, point: FloatArray, points: FloatArray,
              clearances: FloatArray | float = 0.0) -> BoolArray:
         """Tell to which points the straight line from a point is free, with such clearances."""
-        samples = _between(point[None, :], points, self._map.resolution / 2)
+        fractions = _fractions(point[None, :], points, self._map.resolution / 2)
+        least = np.broadcast_to(clearances, len(points))
+        seen = np.arange(len(points))
+        # A few places tell of most lines that they are not free.
+        for some in (fractions[::COARSE_STEP], fractions):
+            samples = _on_lines(point[None, :], points[seen], some)
+            seen = seen[self._are_free(samples, least[seen], len(some))]
+        result = np.zeros(len(points), dtype=bool)
+        result[seen] = True
+        return result
+
+    def _are_free(self, samples: FloatArray, clearances: FloatArray, count: int) -> BoolArray:
+        """Tell which lines are free, with such clearances, of each of which there are samples."""
         distances = self._map.clearance(samples)
         free = distances >= self._margins.required(samples) - 1e-9
         free[free] = self.distances(samples[free]) >= -1e-6
-        least = distances.reshape(len(points), -1).min(axis=1, initial=math.inf)
-        return np.all(free.reshape(len(points), -1), axis=1) & (least >= clearances)
+        least = distances.reshape(-1, count).min(axis=1, initial=math.inf)
+        return np.all(free.reshape(-1, count), axis=1) & (least >= clearances)
 
     def keeps_off_object(self, grid: GridGraph) -> BoolArray:
         """Tell which edges of a grid keep out of the inflated object."""
@@ -167,27 +233,63 @@ def _window(occupancy_map: OccupancyMap, ends: FloatArray,
 
 # One task asks for the same few windows over and over; a graph of a room takes a few MB.
 @functools.lru_cache(maxsize=4)
-def _grid_graph(occupancy_map: OccupancyMap, clearance: float,
-                window: tuple[int, int, int, int]) -> GridGraph:
+def grid_graph(occupancy_map: OccupancyMap, clearance: float,
+               window: tuple[int, int, int, int]) -> GridGraph:
+    """
+    Link the points of a window between which the robot fits.
+
+    :param clearance: of its centre from obstacles, at least [m].
+    :param window: cells (left, bottom, right, top) of the map, without the last.
+    """
     cells = math.ceil(SPACING / occupancy_map.resolution - 1e-9)
     left, bottom, right, top = window
     ys, xs = np.mgrid[bottom:top:cells, left:right:cells]
     cell_centers = np.stack((xs, ys), axis=-1).reshape(-1, 2) + 0.5
     points = occupancy_map.from_map(occupancy_map.resolution * cell_centers)
-    free = occupancy_map.clearance(points) >= clearance
     indices = np.arange(len(points)).reshape(xs.shape)
+    # The map has a border of one cell.
+    distances = occupancy_map.distances[bottom + 1:top + 1, left + 1:right + 1]
     pairs: list[IntArray] = []
+    clearances: list[FloatArray] = []
     for columns, rows in NEIGHBOURS:
         low = indices[max(0, -rows):indices.shape[0] - max(0, rows), :indices.shape[1] - columns]
         high = indices[max(0, rows):indices.shape[0] + min(0, rows), columns:]
-        pairs.append(np.stack((low.ravel(), high.ravel()), axis=1))
-    edges = np.concatenate(pairs)
-    edges = edges[free[edges].all(axis=1)]
-    samples = _between(points[edges[:, 0]], points[edges[:, 1]], occupancy_map.resolution / 2)
-    clearances = occupancy_map.clearance(samples).reshape(len(edges), -1).min(
-        axis=1, initial=math.inf)
-    clear = clearances >= clearance
-    return GridGraph(points, edges[clear], clearances[clear], cells * occupancy_map.resolution)
+        least = _least_on_edges(distances, low.shape, (columns, rows), cells)
+        clear = least >= clearance
+        pairs.append(np.stack((low[clear], high[clear]), axis=1))
+        clearances.append(least[clear])
+    return GridGraph(points, np.concatenate(pairs), np.concatenate(clearances),
+                     cells * occupancy_map.resolution)
+
+
+def _least_on_edges(distances: NDArray[np.float32], shape: tuple[int, ...],
+                    direction: tuple[int, int], cells: int) -> FloatArray:
+    """
+    Find the least distance from obstacles on edges that lead from grid points in one direction.
+
+    Along rows and columns it is that of a cell, as between their centres distances are
+    interpolated; along diagonals they are looked at in the middle between centres, too.
+
+    :param distances: of the centres of the cells in the window, shape (h, w) [m].
+    :param shape: number of edges along columns and rows.
+    :param direction: columns and rows to the neighbour, one of ``NEIGHBOURS``.
+    :param cells: between neighbours.
+    :return: of that shape [m].
+    """
+    columns, rows = direction
+    first_row = cells if rows < 0 else 0
+
+    def shifted(right: int, up: int) -> NDArray[np.float32]:
+        return distances[first_row + up::cells, right::cells][:shape[0], :shape[1]]
+
+    least = shifted(0, 0)
+    for step in range(1, cells + 1):
+        before, there = (step - 1) * columns, (step - 1) * rows
+        if columns and rows:
+            corners = [shifted(before + i, there + j * rows) for i in (0, 1) for j in (0, 1)]
+            least = np.minimum(least, 0.25 * np.sum(corners, axis=0))
+        least = np.minimum(least, shifted(step * columns, step * rows))
+    return least.astype(float)
 
 
 def _between(first: FloatArray, last: FloatArray, spacing: float) -> FloatArray:
@@ -199,34 +301,29 @@ def _between(first: FloatArray, last: FloatArray, spacing: float) -> FloatArray:
     :param spacing: largest distance between samples [m].
     :return: samples line by line, shape (n * k, 2) [m].
     """
+    return _on_lines(first, last, _fractions(first, last, spacing))
+
+
+def _fractions(first: FloatArray, last: FloatArray, spacing: float) -> FloatArray:
+    """Parts of lines at which they are sampled; arguments as of ``_between``."""
     longest = np.linalg.norm(last - first, axis=1).max(initial=0.0)
-    fractions = np.linspace(0.0, 1.0, 2 + math.floor(longest / spacing))
+    count = 2 + math.floor(longest / spacing)
+    return np.linspace(0.0, 1.0, count, dtype=np.float64)
+
+
+def _on_lines(first: FloatArray, last: FloatArray, fractions: FloatArray) -> FloatArray:
+    """Points on each of some lines, line by line, shape (n * k, 2) [m]."""
     lines = first[:, None, :] + fractions[:, None] * (last - first)[:, None, :]
     return lines.reshape(-1, 2)
 
 
-def _links(space: _FreeSpace, grid: GridGraph, index: int, end: FloatArray) -> IntArray:
-    """Edges, shape (k, 2), from a place with a number of its own to the grid points it sees."""
-    away = np.linalg.norm(grid.points - end, axis=1)
-    near = np.flatnonzero(away <= LINK_RANGE * grid.spacing)
-    seen = near[space.sees(end, grid.points[near])]
-    return np.stack((np.full_like(seen, index), seen), axis=1)
-
-
-def _shortest_route(edges: IntArray, costs: FloatArray, count: int) -> list[int]:
-    """Numbers of the points from the last but one to the last; empty where none leads there."""
-    # Imported here: without a map nothing of scipy is needed.
-    from scipy.sparse import csr_matrix
-    from scipy.sparse.csgraph import dijkstra
-    start, goal = count - 2, count - 1
-    graph = csr_matrix((costs, edges.T), shape=(count, count))
-    away, before = dijkstra(graph, directed=False, indices=start, return_predecessors=True)
-    if not math.isfinite(away[goal]):
-        return []
-    route = [goal]
-    while route[-1] != start:
-        route.append(before[route[-1]])
-    return route[::-1]
+def _links(space: _FreeSpace, points: FloatArray, spacing: float,
+           end: FloatArray) -> tuple[IntArray, FloatArray]:
+    """Numbers of the grid points that a place sees, and what the ways to them cost [m]."""
+    away = np.linalg.norm(points - end, axis=1)
+    near = np.flatnonzero(away <= LINK_RANGE * spacing)
+    seen = near[space.sees(end, points[near])]
+    return seen, space.costs(away[seen], space.clearance(points[seen]))
 
 
 def _straightened(space: _FreeSpace, corners: FloatArray, spacing: float) -> FloatArray:

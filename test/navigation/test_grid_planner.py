@@ -2,11 +2,12 @@
 
 import math
 
-from helpers.maps import RESOLUTION, room_with_door, true_distances, walled_room
+from helpers.maps import (
+    RESOLUTION, room_with_door, scattered_cells, true_distances, walled_room)
 from helpers.objects import square_outline
 import numpy as np
 from push_model.geometry import Pose
-from push_navigation.grid_planner import COMFORTABLE_GAP, grid_waypoints
+from push_navigation.grid_planner import COMFORTABLE_GAP, grid_graph, grid_waypoints
 from push_navigation.map_clearance import MapClearance, MapContext
 from push_navigation.obstacle import inflate
 from push_navigation.path import NoPathFound, PathFailure
@@ -113,3 +114,40 @@ def test_an_end_in_an_obstacle_is_refused():
     room = walled_room((1.0, 1.0 + 8 * RESOLUTION, -0.2, 0.2))
     with pytest.raises(NoPathFound):
         corners(room, (-1.5, 0.0), (1.2, 0.0))
+
+
+@pytest.mark.parametrize('seed', range(3))
+def test_clearances_of_a_grid_are_the_least_on_its_edges(seed: int) -> None:
+    """
+    Along rows and columns to rounding; along diagonals the least may lie beside the samples.
+
+    There ``k t^2 + ...`` with ``|k| <= 2 resolution`` falls by ``|k| / 16`` between two samples.
+    """
+    occupancy_map = scattered_cells(seed, Pose(0.3, -0.2, 0.7))
+    height, width = occupancy_map.occupied.shape
+    grid = grid_graph(occupancy_map, 0.05, (3, 5, width, height))
+    ends = grid.points[grid.edges]
+    fractions = np.linspace(0.0, 1.0, 65)[:, None]
+    sampled = np.array([occupancy_map.clearance(first + fractions * (last - first)).min()
+                        for first, last in ends])
+    lengths = np.hypot(*(ends[:, 1] - ends[:, 0]).T)
+    is_diagonal = lengths > 1.2 * grid.spacing
+    assert is_diagonal.any() and (~is_diagonal).any()
+    excess = grid.clearances - sampled
+    np.testing.assert_allclose(excess[~is_diagonal], 0.0, atol=1e-6)
+    assert -1e-6 < excess[is_diagonal].min()
+    assert excess[is_diagonal].max() <= occupancy_map.resolution / 8
+
+
+def test_a_route_does_not_depend_on_those_found_before() -> None:
+    """Routes that start alike share their tree, but not with another object or start."""
+    room = walled_room((-0.6, -0.2, -3.0, 0.5), (0.4, 0.8, -0.4, 3.0))
+    questions = [(start, goal, pose)
+                 for start in ((-2.0, 0.0), (-2.0, 0.5))
+                 for goal in ((2.0, 0.0), (0.1, -2.0), (2.0, 0.0))
+                 for pose in (ASIDE, Pose(-0.4, 1.2, 0.4))]
+    routes = [corners(room, *question) for question in questions]
+    for question, route in list(zip(questions, routes))[::-1]:
+        # An equal map of its own shares nothing.
+        other = walled_room((-0.6, -0.2, -3.0, 0.5), (0.4, 0.8, -0.4, 3.0))
+        assert corners(other, *question).tolist() == route.tolist()
