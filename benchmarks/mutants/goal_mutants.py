@@ -7,6 +7,7 @@ ACTION = ('test/ros/test_push_action.py', 'test/ros/test_goal_entry.py')
 MEASUREMENTS = ('test/ros/test_measurements.py',)
 STOPS = ('test/ros/test_stop.py', 'test/ros/test_nodes_user.py')
 COMMANDERS = ('test/ros/test_other_commanders.py',)
+ZEROS = (*COMMANDERS, *STOPS)
 
 
 def _mutant(name: str, module: str, old: str, new: str, tests: tuple[str, ...]) -> Mutant:
@@ -56,13 +57,13 @@ MUTANTS = (
             MEASUREMENTS),
     _mutant('no zeros at deactivation', 'active_controller',
             'self._base.interrupt(str(DEACTIVATED))\n        self._commands.flush()',
-            'self._base.interrupt(str(DEACTIVATED))', STOPS),
+            'self._base.interrupt(str(DEACTIVATED))', ZEROS),
     _mutant('no zeros at a stop', 'active_controller',
-            'self.pursuit.stop()\n        self._commands.stop()', 'self.pursuit.stop()', STOPS),
+            'self.pursuit.stop()\n        self._commands.stop()', 'self.pursuit.stop()', ZEROS),
     _mutant('a stop leaves the goal', 'active_controller',
             'self.goals.interrupt(GoalOutcome.CANCELLED, cause)', 'pass', STOPS),
     _mutant('no zeros after the last command', 'commands',
-            'self._remaining_zeros = STOP_COMMANDS', 'self._remaining_zeros = 0', STOPS),
+            'self._remaining_zeros = STOP_COMMANDS', 'self._remaining_zeros = 0', ZEROS),
     _mutant('another commander is not noticed', 'command_gate',
             'if is_commanding and (self.yields or others.is_driving):', 'if False:', COMMANDERS),
     _mutant('a later controller does not yield', 'command_gate',

@@ -4,6 +4,7 @@ import contextlib
 import time
 
 from push_control.controller_node import ControllerNode
+from push_control.ros.commands import STOP_COMMANDS
 from push_control.steered.status import Phase
 from push_model.events import codes
 from push_model.files.flat_values import to_parameter_values
@@ -131,3 +132,18 @@ def test_the_later_one_yields_and_names_the_first(stage):
     # Both have been named; once nobody drives one of them goes on.
     first.controller.stop()
     stage.wait_until(lambda: any(twist != STOP for twist in stage.sent[second][1:]))
+
+
+def test_a_robot_that_is_driven_gets_zeros_at_a_stop_and_all_of_them_at_the_end(
+        stage: Stage) -> None:
+    """At once, without another measurement: a base that resends its last command would go on."""
+    node = stage.nodes[0]
+    sent, commands = stage.sent[node], node.controller._commands
+    stage.plan(node)
+    stage.wait_until(lambda: sent and sent[-1] != STOP, node)
+    count = len(sent)
+    node.controller.stop()
+    assert sent[count:] == [STOP]
+    node.trigger_deactivate()
+    assert sent[count:] == STOP_COMMANDS * [STOP]
+    assert commands.is_silent and not node.is_active
