@@ -13,7 +13,8 @@ import statistics
 import time
 from typing import Callable, Optional, Sequence
 
-from benchmarks.plant.mujoco_scene import DEFAULT, Engine, HARD, MujocoPlant, TUNED
+from benchmarks.plant.mujoco_plant import MujocoPlant
+from benchmarks.plant.mujoco_scene import DEFAULT, Engine, HARD, TUNED
 from benchmarks.plant.scenes import apart, extrapolated, MovingObject, ORIGIN, Scene, SCENES
 from benchmarks.report_template import fill_template
 from push_model.geometry import Pose

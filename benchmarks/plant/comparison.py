@@ -4,7 +4,8 @@ import dataclasses
 import math
 from typing import Callable, NamedTuple, Sequence
 
-from benchmarks.plant.mujoco_scene import DEFAULT, Engine, HARD, MujocoPlant, Room, TUNED
+from benchmarks.plant.mujoco_plant import MujocoPlant
+from benchmarks.plant.mujoco_scene import DEFAULT, Engine, HARD, Room, TUNED
 from benchmarks.plant.scenes import ORIGIN, robot_without_lag
 from push_dynamics.walls import Wall
 from push_model.geometry import Pose, wrap_angle

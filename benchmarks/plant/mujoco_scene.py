@@ -1,24 +1,18 @@
 """
-The planar push in MuJoCo: an object on small feet, and a velocity-controlled cylinder.
+Scenes of MuJoCo, written part by part: a floor, walls, an object on small feet, and its pusher.
 
-Contact and mass centre are at the heights of the object, at floor height where it has none: there
-no load shifts from foot to foot.
+Only the pairs of shapes that a part names touch.
 """
 
 import dataclasses
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-import mujoco
 import numpy as np
-from push_dynamics.actuation import chord_velocity, limit_command, track_command
 from push_dynamics.walls import Wall
-from push_model.geometry import Coordinates, Pose
+from push_model.geometry import Coordinates, FloatArray, Pose
 from push_model.parameters import GRAVITY, PushedObject, RoundRobot
-from push_model.signals import Twist
 
-# MuJoCo defines these in an extension module without type stubs.
-_mujoco: Any = mujoco
 # Shapes [m], chosen: radius of the spheres that stand for point supports; half the height of the
 # outline, low as the contact has one height; half the height of the robot, well above any contact.
 FOOT_RADIUS = 0.005
@@ -32,6 +26,22 @@ WALL_THICKNESS, WALL_HEIGHT = 0.1, 0.4
 # Time that the object gets to sink to its rest on the soft floor [s]; chosen: many time constants.
 SETTLING_TIME = 0.5
 SolverParameters = tuple[float, float]
+
+
+class Contact(NamedTuple):
+    """
+    How a contact yields.
+
+    :param solref: (time constant [s], damping ratio) of the normal force.
+    :param friction_solref: the same for friction; (0, 0): that of the normal force.
+    :param impedance: (at first touch, 1 mm deep).
+    :param margin: distance at which it becomes active [m].
+    """
+
+    solref: SolverParameters
+    friction_solref: SolverParameters
+    impedance: SolverParameters
+    margin: float = 0.0
 
 
 @dataclasses.dataclass(frozen=True)
@@ -70,6 +80,16 @@ class Engine:
     iterations: int = 100
     gravity: tuple[float, float, float] = (0.0, 0.0, -GRAVITY)
 
+    @property
+    def foot_contact(self) -> Contact:
+        """Contact of a foot and the floor."""
+        return Contact(self.floor, self.floor_friction, self.floor_impedance, self.margin)
+
+    @property
+    def outline_contact(self) -> Contact:
+        """Contact of the outline and what it meets: robot or wall."""
+        return Contact(self.bumper, (0.0, 0.0), self.bumper_impedance, self.margin)
+
 
 class Room(NamedTuple):
     """
@@ -100,6 +120,16 @@ def xml(*values: float) -> str:
     return ' '.join(f'{value:.12g}' for value in values)
 
 
+def planar_pose(coordinates: FloatArray) -> Pose:
+    """
+    Take the pose on the floor from the coordinates of a free body.
+
+    :param coordinates: position and quaternion, shape (7,) [m, -].
+    """
+    x, y, _, w, _, _, z = coordinates.tolist()
+    return Pose(x, y, 2.0 * math.atan2(z, w))
+
+
 def outline_geom(obj: PushedObject) -> str:
     """Write the outline: a box for a rectangle about the frame's axes, a cylinder for a disc."""
     if obj.radius:
@@ -112,12 +142,11 @@ def outline_geom(obj: PushedObject) -> str:
     return f'type="box" size="{xml(*size, HALF_HEIGHT)}" pos="{xml(*middle, obj.contact_height)}"'
 
 
-def pair(one: str, other: str, mu: float, margin: float, *, solref: SolverParameters,
-         friction_solref: SolverParameters, impedance: SolverParameters) -> str:
+def pair(one: str, other: str, mu: float, contact: Contact) -> str:
     """Write a pair of shapes that may touch."""
     return (f'<pair geom1="{one}" geom2="{other}" condim="3" friction="{xml(mu, mu, 0, 0, 0)}"'
-            f' solref="{xml(*solref)}" solreffriction="{xml(*friction_solref)}"'
-            f' solimp="{xml(*impedance, 1e-3, 0.5, 2)}" margin="{margin}"/>')
+            f' solref="{xml(*contact.solref)}" solreffriction="{xml(*contact.friction_solref)}"'
+            f' solimp="{xml(*contact.impedance, 1e-3, 0.5, 2)}" margin="{contact.margin}"/>')
 
 
 def wall_geom(name: str, wall: Wall, origin: Coordinates) -> str:
@@ -136,45 +165,42 @@ def wall_geom(name: str, wall: Wall, origin: Coordinates) -> str:
             f'size="{xml(length / 2, WALL_THICKNESS / 2, WALL_HEIGHT)}"/>')
 
 
-def scene_xml(obj: PushedObject, robot: RoundRobot, engine: Engine, room: Room = Room(),
-              origin: Coordinates = (0.0, 0.0)) -> str:
+class Part(NamedTuple):
     """
-    Write the scene; only the pairs named in it touch.
+    XML of a part of a scene.
 
-    :param origin: (x, y) of the object at first [m].
+    :param bodies: bodies, or shapes that stand still.
+    :param pairs: of shapes that may touch.
+    :param actuators: motors.
     """
-    walls = ''.join(wall_geom(f'wall{i}', wall, origin) for i, wall in enumerate(room.walls))
+
+    bodies: str
+    pairs: str
+    actuators: str = ''
+
+
+def object_part(obj: PushedObject, engine: Engine) -> Part:
+    """Write the object, a free body on its feet; its outline is the shape 'outline'."""
     feet = ''.join(f'<geom name="foot{i}" type="sphere" size="{FOOT_RADIUS}" '
                    f'pos="{xml(foot.x, foot.y, FOOT_RADIUS)}"/>'
                    for i, foot in enumerate(obj.supports))
-    pairs = ''.join(
-        pair('floor', f'foot{i}', foot.friction_coefficient, engine.margin, solref=engine.floor,
-             friction_solref=engine.floor_friction, impedance=engine.floor_impedance)
-        for i, foot in enumerate(obj.supports))
-    pairs += pair('robot', 'outline', obj.contact_friction_coefficient, engine.margin,
-                  solref=engine.bumper, friction_solref=(0.0, 0.0),
-                  impedance=engine.bumper_impedance)
-    pairs += ''.join(
-        pair(f'wall{i}', 'outline', room.friction, engine.margin, solref=engine.bumper,
-             friction_solref=(0.0, 0.0), impedance=engine.bumper_impedance)
-        for i in range(len(room.walls)))
-    cylinder = xml(robot.radius - engine.margin, ROBOT_HALF_HEIGHT)
+    pairs = ''.join(pair('floor', f'foot{i}', foot.friction_coefficient, engine.foot_contact)
+                    for i, foot in enumerate(obj.supports))
     inertia = xml(obj.inertia, obj.inertia, obj.inertia)
     center = xml(*obj.center_of_mass, obj.center_of_mass_height)
-    bumper_inertia = xml(*3 * [engine.bumper_mass])
-    return f"""
-<mujoco>
-  <option timestep="{engine.step}" cone="{engine.cone}" impratio="{engine.impratio}"
-          tolerance="{engine.tolerance}" iterations="{engine.iterations}"
-          gravity="{xml(*engine.gravity)}"/>
-  <default><geom contype="0" conaffinity="0"/></default>
-  <worldbody>
-    <geom name="floor" type="plane" size="9 9 1"/>{walls}
+    return Part(f"""
     <body name="object">
       <freejoint/>
       <inertial pos="{center}" mass="{obj.mass}" diaginertia="{inertia}"/>
       <geom name="outline" {outline_geom(obj)}/>{feet}
-    </body>
+    </body>""", pairs)
+
+
+def pusher_part(obj: PushedObject, robot: RoundRobot, engine: Engine) -> Part:
+    """Write the robot as a cylinder that goes where it is sent, with a skin that may rise."""
+    cylinder = xml(robot.radius - engine.margin, ROBOT_HALF_HEIGHT)
+    bumper_inertia = xml(*3 * [engine.bumper_mass])
+    return Part(f"""
     <body name="robot" gravcomp="1">
       <inertial pos="0 0 0" mass="{BASE_MASS}" diaginertia="{xml(*3 * [BASE_MASS])}"/>
       <joint type="slide" axis="1 0 0"/><joint type="slide" axis="0 1 0"/>
@@ -184,104 +210,33 @@ def scene_xml(obj: PushedObject, robot: RoundRobot, engine: Engine, room: Room =
         <joint type="slide" axis="0 0 1" damping="{engine.bumper_mass}"/>
         <geom name="robot" type="cylinder" size="{cylinder}"/>
       </body>
-    </body>
+    </body>""", pair('robot', 'outline', obj.contact_friction_coefficient,
+                     engine.outline_contact))
+
+
+def walls_part(room: Room, engine: Engine, origin: Coordinates) -> Part:
+    """
+    Write walls that stop the object.
+
+    :param origin: (x, y) of the object at first [m].
+    """
+    return Part(
+        ''.join(wall_geom(f'wall{i}', wall, origin) for i, wall in enumerate(room.walls)),
+        ''.join(pair(f'wall{i}', 'outline', room.friction, engine.outline_contact)
+                for i in range(len(room.walls))))
+
+
+def scene_xml(engine: Engine, *parts: Part) -> str:
+    """Write a scene of a floor and parts; the joints follow the order of the parts."""
+    return f"""
+<mujoco>
+  <option timestep="{engine.step}" cone="{engine.cone}" impratio="{engine.impratio}"
+          tolerance="{engine.tolerance}" iterations="{engine.iterations}"
+          gravity="{xml(*engine.gravity)}"/>
+  <default><geom contype="0" conaffinity="0"/></default>
+  <worldbody>
+    <geom name="floor" type="plane" size="9 9 1"/>{''.join(part.bodies for part in parts)}
   </worldbody>
-  <contact>{pairs}</contact>
+  <contact>{''.join(part.pairs for part in parts)}</contact>
+  <actuator>{''.join(part.actuators for part in parts)}</actuator>
 </mujoco>"""
-
-
-class MujocoPlant:
-    """
-    The plant in MuJoCo, with the interface of ``push_sim_node.plant.Plant``.
-
-    :param obj: the ``PushedObject``; its outline a disc or a rectangle along the axes, its load
-        shares those that equal feet would take.
-    :param robot: the ``RoundRobot``; its drive is the plant's.
-    :param object_pose: ``Pose`` of the object frame.
-    :param robot_pose: ``Pose`` of the robot.
-    :param engine: ``Engine``.
-    :param steps_per_command: steps between two settings of the robot's velocity.
-    :param room: walls that stop the object; the robot passes them.
-    """
-
-    def __init__(self, obj: PushedObject, robot: RoundRobot, object_pose: Pose, robot_pose: Pose,
-                 engine: Engine = DEFAULT, *, steps_per_command: int = 1,
-                 room: Room = Room()) -> None:
-        self.engine = engine
-        self.robot = robot
-        self.steps_per_command = steps_per_command
-        self.model = _mujoco.MjModel.from_xml_string(
-            scene_xml(obj, robot, engine, room, object_pose))
-        self.data = _mujoco.MjData(self.model)
-        self.drive = (robot.time_constant, robot.max_acceleration, robot.max_yaw_acceleration)
-        self._settle()
-        self.set_object_pose(object_pose)
-        self.data.qpos[7:10] = robot_pose
-        self.twist = Twist()
-
-    def _settle(self) -> None:
-        """Let the object sink to its rest on the soft floor, far from the robot."""
-        self.data.qpos[7:10] = 5.0, 5.0, 0.0
-        _mujoco.mj_step(self.model, self.data, int(round(SETTLING_TIME / self.engine.step)))
-        self.data.qvel[:] = 0.0
-        self.data.qpos[:2] = 0.0
-
-    def set_object_pose(self, pose: Pose) -> None:
-        """
-        Put the object elsewhere, at rest.
-
-        :param pose: ``Pose`` of the object frame in the world.
-        """
-        self.data.qpos[0:2] = pose[:2]
-        self.data.qpos[3:7] = math.cos(pose[2] / 2), 0.0, 0.0, math.sin(pose[2] / 2)
-        self.data.qvel[0:6] = 0.0
-
-    def advance(self, duration: float, command: Twist) -> None:
-        """
-        Advance time under a constant command.
-
-        :param duration: how long [s].
-        :param command: ``Twist`` for the robot, in its own axes.
-        """
-        command = limit_command(self.robot, command)
-        count = int(round(duration / self.engine.step))
-        data, h = self.data, self.engine.step
-        while count > 0:
-            steps = min(self.steps_per_command, count)
-            v_x, v_y, omega, m_x, m_y, m_omega = track_command(
-                self.twist.v_x, self.twist.v_y, self.twist.omega, command, self.drive, steps * h)
-            self.twist = Twist(v_x, v_y, omega)
-            u_x, u_y = chord_velocity(data.qpos[9], m_x, m_y, m_omega, steps * h)
-            data.qvel[6:9] = u_x, u_y, m_omega
-            _mujoco.mj_step(self.model, data, steps)
-            count -= steps
-
-    @property
-    def object_pose(self) -> Pose:
-        """Pose of the object frame in the world; the angle within +-pi."""
-        x, y, _, w, _, _, z = self.data.qpos[:7].tolist()
-        return Pose(x, y, 2.0 * math.atan2(z, w))
-
-    @property
-    def object_twist(self) -> Twist:
-        """Velocity of the object frame's origin, world axes, and yaw rate."""
-        v_x, v_y, _, _, _, omega = self.data.qvel[:6].tolist()
-        return Twist(v_x, v_y, omega)
-
-    @property
-    def robot_pose(self) -> Pose:
-        """Pose of the robot in the world."""
-        x, y, theta = self.data.qpos[7:10].tolist()
-        return Pose(x, y, theta)
-
-    @property
-    def force_on_robot(self) -> tuple[float, float]:
-        """Force of the object on the robot (x, y) in the last step, world axes [N]."""
-        # Of all constraints only the contact with the object acts on the joints of the robot.
-        x, y = self.data.qfrc_constraint[6:8].tolist()
-        return x, y
-
-    @property
-    def moment_on_robot(self) -> float:
-        """Moment of the object on the robot about its axis in the last step [N m]."""
-        return float(self.data.qfrc_constraint[8])

@@ -1,5 +1,5 @@
 """
-A robot on two driven wheels and a caster in MuJoCo: its odometry, pushing force and lidar.
+A robot on two driven wheels and a caster in MuJoCo: odometry, pushing force, push and lidar.
 
 A prototype beside the package's model, whose robot goes where it is sent whatever it pushes. A
 push at height h lifts the front, where the caster stands at c, and loads the wheels. With the mass
@@ -12,19 +12,22 @@ as long as the caster stands, F h < m g x.
 
 import dataclasses
 import math
-from typing import Any, Sequence
+from typing import Any
 
-from benchmarks.plant.mujoco_scene import pair, TUNED, wall_geom, xml
+from benchmarks.plant.mujoco_scene import (Contact, object_part, pair, Part, planar_pose, Room,
+                                           scene_xml, SETTLING_TIME, TUNED, walls_part, xml)
 import mujoco
 import numpy as np
 from push_dynamics.walls import Wall
 from push_model.geometry import FloatArray, Pose
-from push_model.parameters import GRAVITY
+from push_model.parameters import GRAVITY, PushedObject
 
 # MuJoCo defines these in an extension module without type stubs.
 _mujoco: Any = mujoco
-# Settings of contacts, chosen: bodies at a wall come to rest, with little creep.
-STEP, IMPRATIO, IMPEDANCE, SOFTNESS = 1e-3, 10.0, (0.95, 0.95), (0.02, 1.0)
+# Settings, chosen: an object's contacts are as stiff as those of the comparison, and the robot's
+# come to rest at a wall with little creep.
+ENGINE = dataclasses.replace(TUNED, step=1e-3, margin=0.0)
+CONTACT = Contact(solref=(0.02, 1.0), friction_solref=(0.0, 0.0), impedance=(0.95, 0.95))
 # Damping by which a motor holds its speed [N m s], and inertia of its rotor behind the gears
 # [kg m^2]; chosen: it lags by some 10 ms, and explicit steps are stable.
 MOTOR_GAIN, ROTOR_INERTIA = 0.5, 2e-3
@@ -121,31 +124,22 @@ def wheel_body(robot: WheeledRobot, name: str, y: float) -> str:
             '</body>')
 
 
-def touching(one: str, other: str, mu: float) -> str:
-    """Write a pair of shapes that touch, as stiff as all pairs of this scene."""
-    return pair(one, other, mu, 0.0, solref=SOFTNESS, friction_solref=(0.0, 0.0),
-                impedance=IMPEDANCE)
+def robot_part(robot: WheeledRobot, walls: int) -> Part:
+    """
+    Write the robot.
 
-
-def robot_xml(robot: WheeledRobot, walls: Sequence[Wall]) -> str:
-    """Write the robot between walls, each solid on the side where the origin is not."""
-    blocks = ''.join(wall_geom(f'wall{i}', wall, (0.0, 0.0)) for i, wall in enumerate(walls))
-    pairs = ''.join([touching('floor', 'left', robot.wheel_friction),
-                     touching('floor', 'right', robot.wheel_friction),
-                     touching('floor', 'caster', robot.caster_friction),
-                     *(touching(f'wall{i}', 'bumper', 0.0) for i in range(len(walls)))])
+    :param walls: number of the walls that it may touch.
+    """
     wheels = (wheel_body(robot, 'left', robot.track / 2)
               + wheel_body(robot, 'right', -robot.track / 2))
     motors = ''.join(f'<velocity joint="{name}" kv="{MOTOR_GAIN}" '
                      f'forcerange="{xml(-robot.motor_torque, robot.motor_torque)}"/>'
                      for name in ('left', 'right'))
-    return f"""
-<mujoco>
-  <option timestep="{STEP}" cone="{TUNED.cone}"
-          impratio="{IMPRATIO}" gravity="{xml(*TUNED.gravity)}"/>
-  <default><geom contype="0" conaffinity="0"/></default>
-  <worldbody>
-    <geom name="floor" type="plane" size="9 9 1"/>{blocks}
+    pairs = [pair('floor', 'left', robot.wheel_friction, CONTACT),
+             pair('floor', 'right', robot.wheel_friction, CONTACT),
+             pair('floor', 'caster', robot.caster_friction, CONTACT),
+             *(pair(f'wall{i}', 'bumper', 0.0, CONTACT) for i in range(walls))]
+    return Part(f"""
     <body name="robot">
       <freejoint/>
       <inertial pos="{xml(*robot.body_center)}" mass="{robot.body_mass}"
@@ -155,25 +149,41 @@ def robot_xml(robot: WheeledRobot, walls: Sequence[Wall]) -> str:
       <geom name="caster" type="sphere" size="{robot.caster_radius}"
             pos="{xml(robot.caster_x, 0, robot.caster_radius)}"/>
       <site name="lidar" pos="{xml(*robot.lidar)}"/>{wheels}
-    </body>
-  </worldbody>
-  <contact>{pairs}</contact>
-  <actuator>{motors}</actuator>
-</mujoco>"""
+    </body>""", ''.join(pairs), motors)
+
+
+def wheeled_scene(robot: WheeledRobot, room: Room, obj: PushedObject | None) -> str:
+    """Write the robot in a room, with an object; walls are solid where the origin is not."""
+    wheeled = robot_part(robot, len(room.walls))
+    walls = walls_part(room, ENGINE, (0.0, 0.0))
+    if obj is None:
+        return scene_xml(ENGINE, wheeled, Part(walls.bodies, ''))
+    touch = Part('', pair('bumper', 'outline', obj.contact_friction_coefficient,
+                          ENGINE.outline_contact))
+    return scene_xml(ENGINE, wheeled, walls, object_part(obj, ENGINE), touch)
 
 
 class WheeledPlant:
     """
-    The robot in MuJoCo, at first at the origin.
+    The robot in MuJoCo, at first at the origin, and an object that it pushes.
 
     :param robot: ``WheeledRobot``.
-    :param walls: ``Wall`` sequence; none passes through the origin.
+    :param room: walls that stop robot and object; none passes through the origin.
+    :param obj: the ``PushedObject``, touched at the height of the bumper; None for none.
+    :param object_pose: ``Pose`` of the object's frame at first.
     """
 
-    def __init__(self, robot: WheeledRobot, walls: Sequence[Wall] = ()) -> None:
+    def __init__(self, robot: WheeledRobot, room: Room = Room(), obj: PushedObject | None = None,
+                 object_pose: Pose = Pose(1.0, 0.0, 0.0)) -> None:
         self.robot = robot
-        self.model = _mujoco.MjModel.from_xml_string(robot_xml(robot, walls))
+        self.model = _mujoco.MjModel.from_xml_string(wheeled_scene(robot, room, obj))
         self.data = _mujoco.MjData(self.model)
+        if obj is not None:
+            x, y, theta = object_pose
+            self.data.qpos[9:11] = x, y
+            self.data.qpos[12:16] = math.cos(theta / 2), 0.0, 0.0, math.sin(theta / 2)
+            # It sinks to its rest on the soft floor.
+            self.advance(SETTLING_TIME, 0.0, 0.0)
         _mujoco.mj_forward(self.model, self.data)
 
     def advance(self, duration: float, speed: float, yaw_rate: float) -> None:
@@ -187,16 +197,20 @@ class WheeledPlant:
         difference = yaw_rate * self.robot.track / 2.0
         radius = self.robot.wheel_radius
         command = np.array([speed - difference, speed + difference]) / radius
-        change = self.robot.max_acceleration * STEP / radius
-        for _ in range(round(duration / STEP)):
+        change = self.robot.max_acceleration * ENGINE.step / radius
+        for _ in range(round(duration / ENGINE.step)):
             self.data.ctrl += np.clip(command - self.data.ctrl, -change, change)
             _mujoco.mj_step(self.model, self.data)
 
     @property
     def pose(self) -> Pose:
         """Pose of the robot in the world; the angle within +-pi."""
-        x, y, _, w, _, _, z = self.data.qpos[:7].tolist()
-        return Pose(x, y, 2.0 * math.atan2(z, w))
+        return planar_pose(self.data.qpos[:7])
+
+    @property
+    def object_pose(self) -> Pose:
+        """Pose of the object's frame in the world; the angle within +-pi."""
+        return planar_pose(self.data.qpos[9:16])
 
     @property
     def wheel_angles(self) -> tuple[float, float]:
@@ -234,10 +248,10 @@ class WheeledPlant:
 
 def pushing_force(robot: WheeledRobot) -> float:
     """Drive against a wall until the wheels spin; return the mean force on it [N]."""
-    plant = WheeledPlant(robot, [Wall(WALL_X, -1.0, WALL_X, 1.0)])
+    plant = WheeledPlant(robot, Room((Wall(WALL_X, -1.0, WALL_X, 1.0),)))
     plant.advance(PUSHING_TIME, PUSHING_SPEED, 0.0)
     forces = []
-    for _ in range(round(PUSHING_TIME / STEP)):
-        plant.advance(STEP, PUSHING_SPEED, 0.0)
+    for _ in range(round(PUSHING_TIME / ENGINE.step)):
+        plant.advance(ENGINE.step, PUSHING_SPEED, 0.0)
         forces.append(plant.force_on_walls)
     return float(np.mean(forces))

@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 from benchmarks.controller.timing import timed
 from benchmarks.nodes import resident_memory
-from benchmarks.plant.mujoco_scene import MujocoPlant
+from benchmarks.plant.mujoco_plant import MujocoPlant
 import numpy as np
 from push_model.files.data import config_file
 from push_model.geometry import Pose

@@ -4,7 +4,8 @@ import dataclasses
 import math
 from typing import Any, ClassVar
 
-from benchmarks.plant.mujoco_scene import BASE_MASS, DEFAULT, Engine, MujocoPlant
+from benchmarks.plant.mujoco_plant import MujocoPlant
+from benchmarks.plant.mujoco_scene import BASE_MASS, DEFAULT, Engine
 from push_model.geometry import Pose
 from push_model.parameters import GRAVITY, PushedObject, RoundRobot
 from push_model.signals import Twist

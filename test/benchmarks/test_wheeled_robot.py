@@ -6,16 +6,22 @@ import math
 from helpers.extras import import_extra
 import numpy as np
 from push_dynamics.walls import Wall
+from push_model.geometry import Pose
+from push_model.parameters import RoundRobot
+from push_model.signals import STOP, Twist
 from push_sim_node.lidar import distances_to_segments
+from push_sim_node.plant import Plant
 import pytest
 
 wheeled_robot = import_extra('mujoco', 'validation', 'benchmarks.plant.wheeled_robot')
+comparison = import_extra('mujoco', 'validation', 'benchmarks.plant.comparison')
 TURTLEBOT_4, WheeledPlant = wheeled_robot.TURTLEBOT_4, wheeled_robot.WheeledPlant
+Room = wheeled_robot.Room
 pytestmark = pytest.mark.physics
 # Its caster stays on the floor and bears no force along it.
 HEAVY_FRONT = dataclasses.replace(TURTLEBOT_4, body_center=(0.045, 0.0, 0.09), caster_friction=0.0)
-ROOM = [Wall(2.0, -1.5, 2.0, 1.0), Wall(2.0, 1.0, -1.0, 1.4), Wall(-1.0, 1.4, -1.3, -1.5),
-        Wall(-1.3, -1.5, 2.0, -1.5)]
+ROOM = (Wall(2.0, -1.5, 2.0, 1.0), Wall(2.0, 1.0, -1.0, 1.4), Wall(-1.0, 1.4, -1.3, -1.5),
+        Wall(-1.3, -1.5, 2.0, -1.5))
 
 
 @pytest.mark.parametrize('speed', [0.2, -0.2])
@@ -58,7 +64,7 @@ def test_weak_motors_stall_before_the_wheels_spin() -> None:
 
 def test_the_lidar_measures_the_walls_to_a_millimetre() -> None:
     """After a drive, from where the robot is."""
-    plant = WheeledPlant(TURTLEBOT_4, ROOM)
+    plant = WheeledPlant(TURTLEBOT_4, Room(ROOM))
     plant.advance(1.0, 0.2, 0.6)
     plant.advance(0.5, 0.0, 0.0)
     pose = plant.pose
@@ -70,3 +76,24 @@ def test_the_lidar_measures_the_walls_to_a_millimetre() -> None:
     assert np.isfinite(expected).all()
     assert plant.scan(90) == pytest.approx(expected, abs=1e-3)
     assert np.isinf(plant.scan(90, max_range=0.1)).all()
+
+
+@pytest.mark.parametrize('offset', [0.0, 0.02])
+def test_a_push_of_a_box_agrees_with_the_plant(offset) -> None:
+    """After the same way of the wheels, which slip by 2 mm: motors under load are slower."""
+    speed, gap, radius = 0.2, 0.01, TURTLEBOT_4.bumper_radius
+    box = dataclasses.replace(comparison.OBJECTS['box'](2.0, 0.3, 0.5), contact_height=0.05,
+                              center_of_mass_height=0.05)
+    start = Pose(radius + gap + 0.2, offset, 0.0)
+    wheeled = WheeledPlant(TURTLEBOT_4, obj=box, object_pose=start)
+    wheeled.advance(2.7, speed, 0.0)
+    wheeled.advance(0.5, 0.0, 0.0)
+    way = TURTLEBOT_4.wheel_radius * float(np.mean(wheeled.wheel_angles))
+    assert way > gap + 0.5
+    robot = RoundRobot(radius, 'differential', max_speed=1.0, time_constant=0.0,
+                       max_acceleration=TURTLEBOT_4.max_acceleration)
+    plant = Plant(box, robot, start, Pose(0.0, 0.0, 0.0), 1e-3)
+    plant.advance(way / speed, Twist(speed, 0.0, 0.0))
+    plant.advance(0.5, STOP)
+    distance, angle = comparison.pose_difference(wheeled.object_pose, plant.object_pose)
+    assert distance < 2.5e-3 and math.degrees(angle) < 0.1
