@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from push_model.events import AnyReport
 from push_model.geometry import Pose
-from push_model.plan_request import MAX_TOLERANCE, MIN_TOLERANCE
+from push_model.plan_request import MAX_HEADING_TOLERANCE, MAX_TOLERANCE, MIN_TOLERANCE
 from push_model.signals import PoseDeviation
 
 
@@ -70,7 +70,8 @@ class PushGoal:
     :param pose: goal ``Pose`` of the object in the world.
     :param position_tolerance: distance from the goal at which it is reached [m]; None for that of
         the parameters.
-    :param heading_tolerance: heading error at which it is reached [rad]; None likewise.
+    :param heading_tolerance: heading error at which it is reached [rad]; None likewise; 2 pi for
+        any heading.
     :param time_limit: time after which it is abandoned [s]; infinite for none.
     :raises ValueError: naming the field, what came and what was expected.
     """
@@ -84,11 +85,12 @@ class PushGoal:
         """Validate the fields."""
         if not self.pose.is_finite():
             raise ValueError(f'goal: got {self.pose}, expected three finite numbers')
-        for name in ('position_tolerance', 'heading_tolerance'):
+        for name, most in (('position_tolerance', MAX_TOLERANCE),
+                           ('heading_tolerance', MAX_HEADING_TOLERANCE)):
             value = getattr(self, name)
-            if value is not None and not MIN_TOLERANCE <= value <= MAX_TOLERANCE:
+            if value is not None and not MIN_TOLERANCE <= value <= most:
                 raise ValueError(f'goal: {name}: got {value:g}, expected a number from '
-                                 f'{MIN_TOLERANCE:g} to {MAX_TOLERANCE:g}')
+                                 f'{MIN_TOLERANCE:g} to {most:g}')
         if not self.time_limit > 0.0:
             raise ValueError(f'goal: time_limit: got {self.time_limit:g}, expected a number '
                              'above 0 [s]')

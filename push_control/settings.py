@@ -5,7 +5,8 @@ import math
 from typing import get_args, Literal
 
 from push_control.law_names import check_law_name, LAWS, OWN_LAW
-from push_model.plan_request import GoalTolerances, MAX_TOLERANCE, MIN_TOLERANCE
+from push_model.plan_request import (
+    GoalTolerances, MAX_HEADING_TOLERANCE, MAX_TOLERANCE, MIN_TOLERANCE)
 from push_model.quantity import check, MIN_NOISE, quantity
 from push_model.signals import ObjectPose, PoseCovariance
 
@@ -35,7 +36,7 @@ class ControlSettings:
     position_tolerance: float = quantity('position error at the end of a push', 'm', MIN_TOLERANCE,
                                          MAX_TOLERANCE, default=0.02)
     heading_tolerance: float = quantity('heading error at the end of a push', 'rad', MIN_TOLERANCE,
-                                        MAX_TOLERANCE, default=0.05)
+                                        MAX_HEADING_TOLERANCE, default=0.05)
     stop_distance: float = quantity('remaining path length at which the robot stops', 'm', 0.0,
                                     0.1, default=0.0005)
 

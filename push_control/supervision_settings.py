@@ -6,7 +6,7 @@ from typing import get_args
 
 from push_control.settings import ControlSettings
 from push_model.plan_request import (
-    HEADING_TOLERANCE, MAX_TOLERANCE, MIN_TOLERANCE, POSITION_TOLERANCE,
+    HEADING_TOLERANCE, MAX_HEADING_TOLERANCE, MAX_TOLERANCE, MIN_TOLERANCE, POSITION_TOLERANCE,
 )
 from push_model.quantity import check, quantity
 from push_model.signals import Odometry, OdometryReference, PoseCovariance
@@ -42,8 +42,8 @@ class SupervisionSettings:
         'distance from the goal at which a task is done', 'm', MIN_TOLERANCE, MAX_TOLERANCE,
         is_basic=True, default=POSITION_TOLERANCE)
     heading_tolerance: float = quantity(
-        'heading error at which a task is done', 'rad', MIN_TOLERANCE, MAX_TOLERANCE,
-        is_basic=True, default=HEADING_TOLERANCE)
+        'heading error at which a task is done; 2 pi for any heading', 'rad', MIN_TOLERANCE,
+        MAX_HEADING_TOLERANCE, is_basic=True, default=HEADING_TOLERANCE)
     confidence_sigmas: float = quantity('standard errors that must fit into the tolerances', '',
                                         0.0, 10.0, default=3.0)
     min_averaging_time: float = quantity('time over which poses at rest are averaged', 's',

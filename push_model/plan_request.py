@@ -1,6 +1,7 @@
 """Request for a plan, and the reasons for which a planner may find none."""
 
 import enum
+import math
 from typing import NamedTuple
 
 from push_model.geometry import distance, Pose, wrap_angle
@@ -9,6 +10,9 @@ from push_model.parameters import PushedObject
 # Range of tolerances of a goal [m], [rad]; chosen: below it no sensor measures, and what the
 # planner lays about the goal grows without end; above it there is nothing to plan.
 MIN_TOLERANCE, MAX_TOLERANCE = 1e-4, 1.0
+# Largest tolerance of heading [rad]: a full circle, and what single precision makes of it. From pi
+# on every heading does; what is beyond leaves room for the margins of whoever measures.
+MAX_HEADING_TOLERANCE = 6.3
 # Tolerances of a goal for which nobody asks for others [m], [rad]; chosen: what a camera measures,
 # and about a degree. What costs seconds to compute depends on them, so that nodes share them.
 POSITION_TOLERANCE, HEADING_TOLERANCE = 0.01, 0.0175
@@ -85,6 +89,11 @@ class PlanRequest(NamedTuple):
     def tolerances(self) -> GoalTolerances:
         """The ``GoalTolerances``."""
         return GoalTolerances(self.position_tolerance, self.heading_tolerance)
+
+    @property
+    def is_heading_free(self) -> bool:
+        """Whether the object may be at its goal with any heading."""
+        return self.heading_tolerance >= math.pi
 
 
 class PlanFailure(enum.Enum):

@@ -4,6 +4,7 @@ import dataclasses
 import math
 
 from push_model.parameters import Drive, DRIVES
+from push_model.plan_request import MAX_HEADING_TOLERANCE
 from push_model.quantity import check, quantity
 
 # Lengths of robot path that backing off and coming again costs, in a straight line and turning to
@@ -18,7 +19,7 @@ class CostSettings:
     position_tolerance: float = quantity('largest distance from the goal', 'm', above=0.0,
                                          high=1.0, default=0.01)
     heading_tolerance: float = quantity('largest heading error at the goal', 'rad', above=0.0,
-                                        high=3.0, default=math.radians(1.0))
+                                        high=MAX_HEADING_TOLERANCE, default=math.radians(1.0))
     position_deviation: float = quantity('standard deviation of the position as it is measured '
                                          'at rest; leaves that much less of the tolerance', 'm',
                                          0.0, 0.1, default=0.0015)
@@ -45,5 +46,6 @@ class CostSettings:
 
     @property
     def heading_limit(self) -> float:
-        """Heading error within which the object counts as at its goal [rad]."""
-        return max(0.3 * self.heading_tolerance, self.heading_tolerance - self.heading_deviation)
+        """Heading error within which the object counts as at its goal [rad], pi at most."""
+        return min(math.pi, max(0.3 * self.heading_tolerance,
+                                self.heading_tolerance - self.heading_deviation))

@@ -15,7 +15,8 @@ from push_model.files.flat_values import (
 )
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject
-from push_model.plan_request import MAX_TOLERANCE, MIN_TOLERANCE, PlanRequest, RequestKind
+from push_model.plan_request import (
+    MAX_HEADING_TOLERANCE, MAX_TOLERANCE, MIN_TOLERANCE, PlanRequest, RequestKind)
 from push_ros.conversions.joint_names import check_joint_names
 from push_ros.conversions.primitives import check_frame, MessageRefused, to_quaternion, to_yaw
 from trajectory_msgs.msg import JointTrajectory, JointTrajectoryPoint
@@ -30,7 +31,7 @@ CONE_FRACTION = 'cone_fraction'
 KIND = 'kind'
 KINDS = tuple(RequestKind)
 # Tolerances, and numbers of at least 0, that are fields of the request under the same name.
-TOLERANCES = ('position_tolerance', 'heading_tolerance')
+TOLERANCES = {'position_tolerance': MAX_TOLERANCE, 'heading_tolerance': MAX_HEADING_TOLERANCE}
 DEVIATIONS = ('robot_deviation', 'center_deviation', 'contact_friction_deviation',
               'odometry_slope', 'odometry_drift')
 # Parameters of any object that are one number, and those that are lists.
@@ -102,10 +103,10 @@ def _check_ranges(values: dict[str, float], topic: str) -> None:
     if not 0.0 < fraction <= 1.0:
         raise MessageRefused(f'{topic}: {CONE_FRACTION}: got {fraction:g}, expected a number '
                              'above 0, at most 1')
-    for name in TOLERANCES:
-        if not MIN_TOLERANCE <= values[name] <= MAX_TOLERANCE:
+    for name, most in TOLERANCES.items():
+        if not MIN_TOLERANCE <= values[name] <= most:
             raise MessageRefused(f'{topic}: {name}: got {values[name]:g}, expected a number from '
-                                 f'{MIN_TOLERANCE:g} to {MAX_TOLERANCE:g}')
+                                 f'{MIN_TOLERANCE:g} to {most:g}')
     for name in DEVIATIONS:
         if values[name] < 0.0:
             raise MessageRefused(f'{topic}: {name}: got {values[name]:g}, expected a number of at '

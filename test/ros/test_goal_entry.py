@@ -2,13 +2,17 @@
 
 import dataclasses
 import logging
+import math
 from types import SimpleNamespace
 
 from geometry_msgs.msg import PoseStamped
+import numpy as np
 from push_control.events import TaskEvent
 from push_control.goal import GoalOutcome, GoalProgress, PushGoal
 from push_control.ros.goal_entry import GoalEntry
 from push_control.ros.start_state import StartState
+from push_control.settings import ControlSettings
+from push_control.supervision_settings import SupervisionSettings
 from push_model.geometry import Pose
 from push_ros.conversions.primitives import MessageRefused, to_pose_message, to_stamp
 import pytest
@@ -163,3 +167,15 @@ def test_a_goal_is_abandoned_after_its_time(goals, robot):
     robot.is_commanding = False
     goals.update(15.2)
     assert handle.outcome is GoalOutcome.TIMED_OUT
+
+
+@pytest.mark.parametrize('settings', [ControlSettings(), SupervisionSettings()],
+                         ids=['single push', 'task'])
+def test_a_goal_with_any_heading_is_one_in_both_modes(
+        settings: ControlSettings | SupervisionSettings) -> None:
+    """Also where the action has rounded its tolerance to single precision."""
+    goal = PushGoal(FIRST.pose, heading_tolerance=float(np.float32(math.tau)))
+    free = dataclasses.replace(settings, heading_tolerance=goal.heading_tolerance)
+    assert free.heading_tolerance >= math.tau
+    with pytest.raises(ValueError, match='heading_tolerance: got 6.4, expected .* to 6.3'):
+        PushGoal(FIRST.pose, heading_tolerance=6.4)

@@ -15,6 +15,7 @@ from typing import Any
 from push_dynamics.compiled import compiled, wrap_angles
 from push_model.geometry import Pose
 from push_planner.straight.map_search.object_distance import length_at, UNREACHED
+from push_planner.straight.map_search.problem import FREE
 from push_planner.straight.map_search.scene import clearance
 from push_primitives.cost_to_go import interpolate_cost
 
@@ -45,7 +46,7 @@ def estimate(guide: Any, query: Any, x: float, y: float, theta: float, face: int
     length = length_at(guide.grid, x, y)
     if length >= UNREACHED:
         return UNREACHED
-    rotation = wrap_angles(query.goal.theta - theta)
+    rotation = heading_error(query, theta)
     passing = min(1.0, max(MIN_PASSING, PASSING_DISTANCE - length))
     settings = query.settings
     time = (length * (1.0 / settings.pushing_speed + settings.contact_time / CONTACT_DISTANCE)
@@ -56,6 +57,14 @@ def estimate(guide: Any, query: Any, x: float, y: float, theta: float, face: int
     d_x, d_y = query.goal.x - x, query.goal.y - y
     return max(time, interpolate_cost(
         guide.open_floor, Pose(c * d_x + s * d_y, c * d_y - s * d_x, rotation), face))
+
+
+@compiled
+def heading_error(query: Any, theta: float) -> float:
+    """Heading of the goal as seen by the object [rad]; 0 where any heading does."""
+    if query.settings.heading_tolerance >= FREE:
+        return 0.0
+    return wrap_angles(query.goal.theta - theta)
 
 
 @compiled

@@ -13,9 +13,9 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from push_model.geometry import BoolArray, distance, FloatArray, Pose
+from push_model.geometry import BoolArray, distance, FloatArray, Pose, wrap_angle
 from push_model.parameters import PushedObject, RoundRobot
-from push_model.plan_request import PlanFailure, PlanRequest
+from push_model.plan_request import HEADING_TOLERANCE, PlanFailure, PlanRequest
 from push_model.trajectory import PushStyle
 from push_navigation.map_clearance import CERTAIN
 from push_navigation.occupancy_map import OccupancyMap
@@ -25,6 +25,7 @@ from push_planner.problem import PlanningFailed
 from push_planner.settings import PlannerSettings
 from push_planner.straight.map_search.object_distance import (
     distance_grid, DistanceGrid, length_at, UNREACHED)
+from push_planner.straight.map_search.problem import FREE
 from push_planner.straight.map_search.pushes import make_pushes, Pushes
 from push_planner.straight.map_search.refusal_memory import Question, RefusalMemory
 from push_planner.straight.map_search.refusals import (
@@ -68,6 +69,8 @@ MAX_BLOCKED = 16
 # Overlap of object and obstacles that is taken for an error of its pose [m], besides half a cell,
 # by which the map may be wrong; chosen.
 MAX_OVERLAP = 0.02
+# Headings at the goal that are tried where any does, to either side of the present one; chosen.
+HEADING_STEP, HEADING_STEPS = math.radians(15.0), 12
 # Points on the line to the goal at which the floor is looked at.
 LINE_SAMPLES = 40
 # Rounding of positions [m].
@@ -109,12 +112,24 @@ def plan_push_in_map(request: PlanRequest, robot: RoundRobot, settings: PlannerS
     refusal = REFUSALS.recall(question)
     if refusal is not None:
         raise refusal
+    checked = checked_request(request, robot)
     try:
-        return _MapPlanner(checked_request(request, robot), robot, settings, drive,
-                           occupancy_map).plan(remaining)
+        return _plan_checked(checked, robot, settings, drive, occupancy_map, remaining)
     except PlanningFailed as failure:
         REFUSALS.add(question, failure)
         raise
+
+
+def _plan_checked(request: PlanRequest, robot: RoundRobot, settings: PlannerSettings,
+                  drive: DriveSettings, occupancy_map: OccupancyMap,
+                  remaining: RemainingPushes | None) -> MapPlan:
+    """Plan with any heading at the goal where that does, and with the stated one."""
+    if request.is_heading_free:
+        free = _with_any_heading(request, occupancy_map, remaining)
+        with contextlib.suppress(PlanningFailed):
+            return _MapPlanner(free, robot, settings, drive, occupancy_map).plan(remaining)
+        request = request._replace(heading_tolerance=HEADING_TOLERANCE)
+    return _MapPlanner(request, robot, settings, drive, occupancy_map).plan(remaining)
 
 
 def warm_up(obj: PushedObject, robot: RoundRobot, drive: DriveSettings) -> None:
@@ -131,6 +146,20 @@ def warm_up(obj: PushedObject, robot: RoundRobot, drive: DriveSettings) -> None:
     with contextlib.suppress(PlanningFailed):
         plan_push_in_map(PlanRequest(Pose(0.0, 0.0, 0.0), beside, Pose(0.05, 0.0, 0.0), obj),
                          robot, PlannerSettings(), drive, room)
+
+
+def _with_any_heading(request: PlanRequest, occupancy_map: OccupancyMap,
+                      remaining: RemainingPushes | None) -> PlanRequest:
+    """Choose the heading at the goal: as now, or as near to it as there is room."""
+    goal = request.goal
+    if remaining is not None and distance(remaining.goal, goal) <= SAME_POSITION:
+        return request._replace(goal=remaining.goal)
+    turns = [sign * step * HEADING_STEP for step in range(HEADING_STEPS + 1)
+             for sign in (1.0, -1.0)]
+    poses = [Pose(goal.x, goal.y, wrap_angle(request.object_pose.theta + turn)) for turn in turns]
+    free = next((pose for pose in poses
+                 if occupancy_map.object_clearance(request.obj, [pose]) >= 0.0), poses[0])
+    return request._replace(goal=free)
 
 
 class _Known(NamedTuple):
@@ -332,7 +361,8 @@ class _MapPlanner:
         contact_time = (costs.contact_time + costs.push_time
                         + CONTACT_PATHS[costs.drive] / costs.robot_speed)
         return SearchSettings(
-            GOAL_FRACTION * request.position_tolerance, GOAL_FRACTION * request.heading_tolerance,
+            GOAL_FRACTION * request.position_tolerance,
+            FREE if request.is_heading_free else GOAL_FRACTION * request.heading_tolerance,
             self._open_radius, contact_time, greatest_speed(self._robot, self._settings),
             costs.robot_speed)
 

@@ -32,6 +32,9 @@ COUNTER_SIZE = 6
 LENGTH_TO_GOAL, MISS, GAP = range(3)
 FINAL_SIZE = 3
 
+# Tolerance of heading where any heading does [rad]: no error counts beside it.
+FREE = 1e9
+
 
 class Lattice(NamedTuple):
     """
@@ -55,7 +58,7 @@ class SearchSettings(NamedTuple):
     Weights of a search.
 
     :param position_tolerance: distance from the goal at which a push ends there [m].
-    :param heading_tolerance: likewise [rad].
+    :param heading_tolerance: likewise [rad]; ``FREE`` where any heading does.
     :param open_radius: clearance from which on the floor counts as open [m].
     :param contact_time: of a contact besides pushing and driving [s].
     :param pushing_speed: [m/s].

@@ -7,15 +7,15 @@ A push ends after one of several lengths, or at the goal itself.
 import math
 from typing import Any
 
-from push_dynamics.compiled import compiled, wrap_angles
+from push_dynamics.compiled import compiled
 from push_planner.straight.map_search.dead_ends import is_dead_end, STANDOFF
-from push_planner.straight.map_search.estimate import estimate
+from push_planner.straight.map_search.estimate import estimate, heading_error
 from push_planner.straight.map_search.lattice import cell_key, find_slot
 from push_planner.straight.map_search.object_distance import UNREACHED
 from push_planner.straight.map_search.priority_queue import push
 from push_planner.straight.map_search.problem import (
-    CELL, CELL_NODE, CLOSED, COST, FACE, FINAL, GAP, LENGTH, LENGTH_TO_GOAL, MISS, NODES, PARENT,
-    PUSH, QUEUED, REACHABLE_FILLED, ROBOT_X, ROBOT_Y, THETA, WORK, X, Y,
+    CELL, CELL_NODE, CLOSED, COST, FACE, FINAL, FREE, GAP, LENGTH, LENGTH_TO_GOAL, MISS, NODES,
+    PARENT, PUSH, QUEUED, REACHABLE_FILLED, ROBOT_X, ROBOT_Y, THETA, WORK, X, Y,
 )
 from push_planner.straight.map_search.pushes import FIRST, LATER
 from push_planner.straight.map_search.reachable_set import (
@@ -108,7 +108,7 @@ def _find_final_length(query: Any, means: Any, lengths: Any, last_step: int, nod
     """Write after which length a push ends at the goal, 0 where it passes it by, and its miss."""
     c, s = math.cos(node[THETA]), math.sin(node[THETA])
     d_x, d_y = query.goal.x - node[X], query.goal.y - node[Y]
-    x, y, theta = c * d_x + s * d_y, c * d_y - s * d_x, wrap_angles(query.goal.theta - node[THETA])
+    x, y, theta = c * d_x + s * d_y, c * d_y - s * d_x, heading_error(query, node[THETA])
     before = _squared_miss(query, x, y, theta)
     least = min(MAX_MISS * MAX_MISS, max(1.0, MISS_RATIO * MISS_RATIO * before))
     length = 0.0
@@ -176,11 +176,12 @@ def _add_pushes(problem: Any, memory: Any, parent: int, option: int, travel: flo
         length = pushes.lengths[step]
         if pushes.lengths[step - 1] < final_length <= length:
             memory.pose[0], memory.pose[1] = query.goal.x, query.goal.y
-            memory.pose[2] = query.goal.theta
-            correction = (STD_COST * pushes.stds[stage, option, step]
-                          + MISS_COST * query.settings.contact_time * memory.final[MISS])
-            _append(problem, memory, parent, option, final_length,
-                    cost + final_length / query.settings.pushing_speed + correction)
+            memory.pose[2] = _final_heading(query, pushes.means[stage, option, step], node)
+            if _has_room_at_goal(problem, memory.pose):
+                correction = (STD_COST * pushes.stds[stage, option, step]
+                              + MISS_COST * query.settings.contact_time * memory.final[MISS])
+                _append(problem, memory, parent, option, final_length,
+                        cost + final_length / query.settings.pushing_speed + correction)
         if length < FIRST_SWEEP:
             continue
         _write_pose(pushes.means[stage, option, step], node, memory.pose)
@@ -189,6 +190,23 @@ def _add_pushes(problem: Any, memory: Any, parent: int, option: int, travel: flo
         if (is_dense or pushes.coarse[option]) and pushes.is_end[step]:
             _add_node(problem, memory, parent, option, length,
                       cost + length / query.settings.pushing_speed)
+
+
+@compiled
+def _final_heading(query: Any, mean: Any, node: Any) -> float:
+    """Heading of the object after a push that ends at the goal [rad]."""
+    if query.settings.heading_tolerance >= FREE:
+        return node[THETA] + mean[2]
+    return query.goal.theta
+
+
+@compiled
+def _has_room_at_goal(problem: Any, pose: Any) -> bool:
+    """Tell whether there is room at the goal for the heading with which the object comes there."""
+    if problem.query.settings.heading_tolerance < FREE:
+        return True
+    needed = problem.query.goal_margin
+    return object_clearance(problem.scene, pose[0], pose[1], pose[2], needed) >= needed
 
 
 @compiled

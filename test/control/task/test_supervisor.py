@@ -97,6 +97,22 @@ def test_a_task_is_done_from_the_wrong_side(drive):
     assert np.abs(tape['command_omega'])[alone].max() <= DRIVE.yaw_rate + 1e-9
 
 
+def test_with_any_heading_a_task_is_done_where_the_object_is_at_its_place() -> None:
+    """The heading of the goal costs nothing: it is done within the tolerance of position."""
+    scenario = task('differential')
+    turned = dataclasses.replace(scenario.goal, theta=scenario.goal.theta + 2.5)
+    free = dataclasses.replace(scenario.task, supervision=dataclasses.replace(
+        scenario.task.supervision, heading_tolerance=math.tau))
+    results = [simulate(dataclasses.replace(scenario, goal=goal, task=free))
+               for goal in (scenario.goal, turned)]
+    for result in results:
+        end = result.tape.poses('object')[-1]
+        assert result.outcome is Outcome.DONE
+        assert math.dist(end[:2], scenario.goal.pose[:2]) < 0.01
+    ends = [result.tape.poses('object')[-1] for result in results]
+    np.testing.assert_allclose(ends[0], ends[1], atol=1e-9)
+
+
 @pytest.mark.parametrize('drive, seed', [('differential', 3), ('holonomic', 4)])
 def test_a_task_is_done_with_wrong_beliefs_and_poor_sensors(drive, seed):
     """Friction is uneven, poses are late and noisy, odometry drifts by centimetres."""

@@ -37,9 +37,9 @@ HERE, START = Pose(-1.6, 0.2, 0.4), Pose(-0.9, -1.1, 1.0)
 MIN_CLEARANCE = MIN_FRACTION * DRIVE.map_clearance
 
 
-def plan(occupancy_map, goal, robot=ROBOT, here=HERE, start=START):
+def plan(occupancy_map, goal, robot=ROBOT, here=HERE, start=START, **request):
     """Plan for the box."""
-    return plan_push_in_map(PlanRequest(here, start, goal, BOX), robot, SETTINGS, DRIVE,
+    return plan_push_in_map(PlanRequest(here, start, goal, BOX, **request), robot, SETTINGS, DRIVE,
                             occupancy_map)
 
 
@@ -73,6 +73,24 @@ def test_the_object_is_pushed_through_a_door_step_by_step(robot, goal):
         pytest.fail(f'got to {here}, expected {goal}')
     # To waypoints up to the door, then to the goal itself.
     assert styles[0] is PushStyle.WAYPOINT and styles[-1] is PushStyle.STRAIGHT
+
+
+def test_where_any_heading_does_that_of_the_goal_has_no_effect() -> None:
+    """The same pushes lead to the same place, whatever heading the goal states."""
+    occupancy_map, ends = walled_floor(6.0, 4.5, 0.9), []
+    for heading in (1.0, -2.0):
+        goal, here, at = Pose(1.5, 0.3, heading), HERE, START
+        for _ in range(25):
+            trajectory = plan(occupancy_map, goal, here=here, start=at,
+                              heading_tolerance=math.tau).first.trajectory
+            assert occupancy_map.object_is_free(BOX, trajectory.object_poses, 0.0)
+            here = Pose(*trajectory.object_poses[-1].tolist())
+            at = Pose(*trajectory.robot_poses[-1].tolist())
+            if math.dist(here[:2], goal[:2]) < 0.01:
+                break
+        ends.append(here)
+    assert ends[0] == ends[1]
+    assert math.dist(ends[0][:2], goal[:2]) < 0.01
 
 
 def test_the_rest_of_a_sequence_is_taken_up_where_all_went_as_planned():
