@@ -3,7 +3,7 @@
 from pathlib import Path
 import re
 
-from helpers.study_outcomes import outcome_of, QUICK, quick_outcome_of, values_of
+from helpers.study_outcomes import outcome_of, quick_outcome_of, REPEATED, values_of
 import pytest
 from studies import __main__ as cli, catalogue, gallery
 from studies.framework import plot_style
@@ -28,10 +28,10 @@ def title(study):
 
 
 def without_numbers(page):
-    """Mask the numbers below the figures of studies that tests compute with other values."""
+    """Mask the numbers below the figures of studies that tests repeat less often."""
     entries = re.split('(?m)^### ', page)
     return [re.sub(r'-?\d+(\.\d+)?', '#', entry.partition('\n')[2])
-            if entry.split(' ')[0] in QUICK else entry for entry in entries]
+            if entry.split(' ')[0] in REPEATED else entry for entry in entries]
 
 
 @pytest.mark.slow
@@ -50,8 +50,7 @@ def test_page_is_what_the_studies_find(name, tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize('study', catalogue.studies(), ids=lambda study: study.figure)
 def test_every_study_is_drawn_and_has_tables(study: Study, tmp_path: Path) -> None:
-    outcome = quick_outcome_of(study)
-    values = values_of(study, **QUICK.get(study.figure, {}))
+    outcome, values = quick_outcome_of(study), values_of(study)
     with plot_style.applied():
         figure = draw_figure(study, outcome, values)
         # Where its parts go takes longest to compute; sketches have laws on that.

@@ -46,8 +46,7 @@ def test_sensors_are_those_of_the_benchmarks_and_filters_have_their_defaults():
 
 
 def test_feedback_reaches_every_goal_without_mismatch():
-    goals_reached = quick_outcome_of(STUDIES['four-goals'])
-    found, ends = numbers(goals_reached), goals_reached.tables['ends']
+    found, ends = findings('four-goals'), outcome('four-goals').tables['ends']
     for law in (FEEDBACK, OWN_PATH, MPC):
         assert found[law] < 10.0
         # A fifth of the error with which a push may end.
@@ -77,8 +76,8 @@ def test_feedback_reproduces_the_planned_input_where_nothing_is_measured_wrong()
 @pytest.mark.parametrize('law', [OPEN_LOOP, OBJECT_FRAME, FEEDBACK])
 def test_a_mirrored_push_follows_a_mirrored_path(law):
     given = values('4.9', sensors='exact')
-    left, right = (push(given, [1.2, side * 0.2, side * 0.2], law,
-                        friction_interval(name, 1.5, 2.0, 4.0)).path
+    left, right = (push(given, [2.4, side * 0.5, side * 0.3], law,
+                        friction_interval(name, 1.5, 4.0, 6.0)).path
                    for side, name in ((1.0, 'left'), (-1.0, 'right')))
     for name in COLUMNS:
         np.testing.assert_allclose(left[name], -right[name], atol=1e-4)
@@ -116,17 +115,15 @@ def test_repeated_pushes_differ_by_the_errors_of_the_sensors():
     outcome = quick_outcome_of(STUDIES['4.14'])
     found, table = numbers(outcome), outcome.tables['ends']
     assert len(set(table['feedback_position_error_m'])) == 2
-    assert (found['median_feedback_low'] < found['median_feedback']
-            < found['median_feedback_high'])
     assert found['median_feedback'] < 2.0 < 8.0 < found['median_no_jump_test']
 
 
 def test_open_loop_errors_grow_with_the_disturbance():
     given = values('4.13')
-    errors = [push(given, [1.2, 0.0, 0.0], OBJECT_FRAME,
-                   friction_interval('left', factor, 2.0, 100.0)).position_error
+    errors = [push(given, given.goal, OBJECT_FRAME,
+                   friction_interval('left', factor, 4.0, 100.0)).position_error
               for factor in (1.1, 1.3, 1.5)]
-    assert (np.diff(errors) > 0.02).all()
+    assert (np.diff(errors) > 0.05).all()
 
 
 def test_feedback_ends_its_push_through_the_friction_center():
@@ -150,6 +147,7 @@ def test_random_friction_costs_several_times_as_much_in_open_loop():
     found = numbers(quick_outcome_of(STUDIES['4.7']))
     assert max(found[OPEN_LOOP], found[OBJECT_FRAME]) > 2.0 * max(found[FEEDBACK], found[MPC])
     assert found['wins'] >= 1.0 and found['worst_feedback'] < 10.0
+    assert found['feedback_low'] <= found['feedback'] <= found['feedback_high']
     found = findings('4.6')
     assert found == findings('4.5')
     assert found['variation_feedback'] > 3.0 * found['variation_object_frame']
