@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 from push_model.events import AnyReport
 from push_model.geometry import Pose
-from push_model.plan_request import MAX_HEADING_TOLERANCE, MAX_TOLERANCE, MIN_TOLERANCE
+from push_model.plan_request import (
+    check_heading_tolerance, MAX_HEADING_TOLERANCE, MAX_TOLERANCE, MIN_TOLERANCE)
 from push_model.signals import PoseDeviation
 
 
@@ -91,6 +92,8 @@ class PushGoal:
             if value is not None and not MIN_TOLERANCE <= value <= most:
                 raise ValueError(f'goal: {name}: got {value:g}, expected a number from '
                                  f'{MIN_TOLERANCE:g} to {most:g}')
+        if self.heading_tolerance is not None:
+            check_heading_tolerance('goal', self.heading_tolerance)
         if not self.time_limit > 0.0:
             raise ValueError(f'goal: time_limit: got {self.time_limit:g}, expected a number '
                              'above 0 [s]')

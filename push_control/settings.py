@@ -6,7 +6,7 @@ from typing import get_args, Literal
 
 from push_control.law_names import check_law_name, LAWS, OWN_LAW
 from push_model.plan_request import (
-    GoalTolerances, MAX_HEADING_TOLERANCE, MAX_TOLERANCE, MIN_TOLERANCE)
+    check_heading_tolerance, GoalTolerances, MAX_HEADING_TOLERANCE, MAX_TOLERANCE, MIN_TOLERANCE)
 from push_model.quantity import check, MIN_NOISE, quantity
 from push_model.signals import ObjectPose, PoseCovariance
 
@@ -169,6 +169,7 @@ class ControlSettings:
     def __post_init__(self) -> None:
         """Validate the fields."""
         check(self)
+        check_heading_tolerance('ControlSettings', self.heading_tolerance)
         check_law_name(self.control_law)
 
     @property

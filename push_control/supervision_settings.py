@@ -6,7 +6,8 @@ from typing import get_args
 
 from push_control.settings import ControlSettings
 from push_model.plan_request import (
-    HEADING_TOLERANCE, MAX_HEADING_TOLERANCE, MAX_TOLERANCE, MIN_TOLERANCE, POSITION_TOLERANCE,
+    check_heading_tolerance, HEADING_TOLERANCE, MAX_HEADING_TOLERANCE, MAX_TOLERANCE, MIN_TOLERANCE,
+    POSITION_TOLERANCE,
 )
 from push_model.quantity import check, quantity
 from push_model.signals import Odometry, OdometryReference, PoseCovariance
@@ -104,6 +105,7 @@ class SupervisionSettings:
     def __post_init__(self) -> None:
         """Validate the fields."""
         check(self)
+        check_heading_tolerance('SupervisionSettings', self.heading_tolerance)
 
     @property
     def has_limited_view(self) -> bool:

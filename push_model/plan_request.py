@@ -18,6 +18,21 @@ MAX_HEADING_TOLERANCE = 6.3
 POSITION_TOLERANCE, HEADING_TOLERANCE = 0.01, 0.0175
 
 
+def check_heading_tolerance(owner: str, value: float) -> None:
+    """
+    Check that a tolerance of heading is a small angle, or leaves the heading free.
+
+    What lies between is most likely meant in degrees.
+
+    :param owner: of the field, for the message.
+    :param value: [rad].
+    :raises ValueError: naming the field, what came and what was expected.
+    """
+    if MAX_TOLERANCE < value < math.pi:
+        raise ValueError(f'{owner}.heading_tolerance: got {value!r}, expected at most '
+                         f'{MAX_TOLERANCE:g}, or 2 pi for any heading [rad]')
+
+
 class GoalTolerances(NamedTuple):
     """
     Tolerances within which an object counts as at its goal.

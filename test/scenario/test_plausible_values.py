@@ -40,6 +40,7 @@ CASES = [
     (TASK, 'position_tolerance moved_distance probe_distance max_path_deviation plan_timeout '
      'stall_timeout', (THOUSANDTH, THOUSAND)),
     (TASK, 'moved_angle', (THOUSANDTH, THOUSAND, DEGREES)),
+    (TASK, 'heading_tolerance', (THOUSAND, DEGREES)),
     (ControllerOptions(), 'watchdog_timeout', (THOUSANDTH, THOUSAND)),
     (SensorSettings(), 'pose_rate odometry_rate', (THOUSANDTH, THOUSAND)),
 ]
