@@ -6,8 +6,8 @@ from typing import get_args
 
 from push_control.settings import ControlSettings
 from push_model.plan_request import (
-    check_heading_tolerance, HEADING_TOLERANCE, MAX_HEADING_TOLERANCE, MAX_TOLERANCE, MIN_TOLERANCE,
-    POSITION_TOLERANCE,
+    check_heading_tolerance, HEADING_TOLERANCE, MAX_HEADING_TOLERANCE, MAX_TOLERANCE,
+    MIN_TOLERANCE, POSITION_TOLERANCE,
 )
 from push_model.quantity import check, quantity
 from push_model.signals import Odometry, OdometryReference, PoseCovariance
