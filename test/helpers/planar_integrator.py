@@ -77,7 +77,9 @@ class PlanarIntegrator:
     """
 
     def __init__(self, obj: PushedObject, pusher: RoundPusher, step: float) -> None:
-        self._obj, self._pusher, self._step = obj, pusher, step
+        self._obj = obj
+        self._pusher = pusher
+        self._step = step
         self._position = list(obj.center_of_mass)
         self._theta = 0.0
         # v_x, v_y [m/s] of the mass centre, yaw rate [rad/s].

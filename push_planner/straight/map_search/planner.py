@@ -154,8 +154,8 @@ def _with_any_heading(request: PlanRequest, occupancy_map: OccupancyMap,
     goal = request.goal
     if remaining is not None and distance(remaining.goal, goal) <= SAME_POSITION:
         return request._replace(goal=remaining.goal)
-    turns = [sign * step * HEADING_STEP for step in range(HEADING_STEPS + 1)
-             for sign in (1.0, -1.0)]
+    steps = sorted(range(-HEADING_STEPS, HEADING_STEPS), key=abs)
+    turns = [step * HEADING_STEP for step in steps]
     poses = [Pose(goal.x, goal.y, wrap_angle(request.object_pose.theta + turn)) for turn in turns]
     free = next((pose for pose in poses
                  if occupancy_map.object_clearance(request.obj, [pose]) >= 0.0), poses[0])
