@@ -127,6 +127,8 @@ class ObjectFailure(Cause):
     NO_ROOM_FOR_ROBOT = 'the robot has no room to push it from where it stands to its goal'
     SEARCH_LIMIT = 'no order was found before the search had to end'
     PUSHES_FAILED = 'its pushes failed: {reason}'
+    NOT_ALL = 'nothing more is moved: all were asked for, and {others} cannot get to a goal'
+    NOT_MOVED = 'it was not moved: {reason}'
 
 
 @dataclasses.dataclass(frozen=True)

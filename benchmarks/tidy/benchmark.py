@@ -19,7 +19,8 @@ from push_planner.rearrangement.order import MAX_WORK, plan_order
 from push_planner.rearrangement.problem import Move, OrderPlan, Rearrangement
 from push_scenario.evaluation.result_row import Row
 from push_scenario.parallel import ERROR, progress_bar, run_many
-from push_scenario.tidying.tidy import OrderPlanner, tidy
+from push_scenario.tidying.tidy import tidy
+from push_tidy.tidy_supervisor import OrderPlanner
 
 
 @dataclasses.dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 import dataclasses
 import math
-from typing import NamedTuple, Sequence
+from typing import Sequence
 
 import numpy as np
 from push_dynamics.walls import Wall
@@ -12,23 +12,12 @@ from push_navigation.settings import MapSettings
 from push_planner.rearrangement.footprints import distances_to_object, placed_points
 from push_scenario.definition.floor_map import FloorMap, FREE, OCCUPIED, UNKNOWN
 from push_sim_node.tape import Tape
+from push_tidy.obstacles import covered_cells, MapGrid, StandingObject
 
 # Sides of the walls round a disc; chosen: they are within 1 % of its radius.
 DISC_SIDES = 16
 # Gap below which two bodies touch [m]; chosen: the accuracy of the plant at walls.
 TOUCH_GAP = 1e-3
-
-
-class StandingObject(NamedTuple):
-    """
-    An object that stands.
-
-    :param obj: the ``PushedObject``.
-    :param pose: ``Pose`` in the world.
-    """
-
-    obj: PushedObject
-    pose: Pose
 
 
 def with_obstacles(floor: FloorMap, reading: MapSettings, standing: Sequence[StandingObject],
@@ -43,15 +32,9 @@ def with_obstacles(floor: FloorMap, reading: MapSettings, standing: Sequence[Sta
     cells = np.array(floor.characters)
     if reading.allow_unknown:
         cells[cells == ord(UNKNOWN)] = ord(FREE)
-    rows, columns = np.indices(cells.shape).reshape(2, -1)
-    centers: FloatArray = np.asarray(
-        floor.resolution * np.stack((columns + 0.5, rows + 0.5), axis=1), dtype=np.float64)
-    to_map = floor.origin.pose.inverse()
-    for obj, pose in standing:
-        is_near = distances_to_object(centers, obj, to_map @ pose) < (
-            margin + 0.5 * floor.resolution)
-        is_object = is_near.reshape(cells.shape) & (cells != ord(OCCUPIED))
-        cells[is_object] = ord(UNKNOWN)
+    grid = MapGrid(floor.resolution, floor.origin.pose, *cells.shape)
+    is_object = covered_cells(grid, standing, margin) & (cells != ord(OCCUPIED))
+    cells[is_object] = ord(UNKNOWN)
     lines = (row.tobytes().decode('ascii') for row in cells[::-1])
     return dataclasses.replace(floor, rows='\n'.join(lines))
 

@@ -1,12 +1,10 @@
 """
 Bring several objects to their goals in one process.
 
-After each move the order is planned from where all objects are measured then. The others are
-obstacles of the map that robot and planner read, and walls of the plant. A move that fails is not
-the next one; an object whose moves fail too often is given up.
+A ``TidySupervisor`` says which move is next. The other objects are obstacles of the map that robot
+and planner read, and walls of the plant.
 """
 
-from collections import Counter
 from collections.abc import Callable
 import dataclasses
 import math
@@ -17,21 +15,18 @@ from push_model.events import ObjectFailure, Report
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.plan_request import GoalTolerances
 from push_planner.rearrangement.order import plan_order
-from push_planner.rearrangement.problem import (
-    Move, NamedObject, OrderPlan, Rearrangement)
+from push_planner.rearrangement.problem import Move, OrderPlan
 from push_scenario.definition.placement import Placement
 from push_scenario.definition.scenario import Scenario, Start
 from push_scenario.simulation.loop import ProgressCallback, simulate
 from push_scenario.simulation.result import Outcome, RunResult
 from push_scenario.tidying.room import Room
 from push_scenario.tidying.standing_objects import (
-    last_pose, least_gap, outline_walls, StandingObject, TOUCH_GAP, with_obstacles)
+    last_pose, least_gap, outline_walls, TOUCH_GAP, with_obstacles)
+from push_tidy.obstacles import MARGIN_SIGMAS, StandingObject
+from push_tidy.tidy_supervisor import (
+    MeasuredScene, ObjectGoal, OrderPlanner, TidySupervisor)
 
-# Moves of one object that may fail, and moves in all for each object; chosen.
-MAX_FAILURES = 3
-MAX_MOVES_PER_OBJECT = 4
-# Standard deviations of a measured pose that its obstacle is wider; chosen.
-MARGIN_SIGMAS = 2.0
 # Measurements that a pose at rest is the mean of; chosen: half a second.
 MEAN_COUNT = 10
 
@@ -107,9 +102,6 @@ class TidyResult:
             not scenario.object.outline or heading <= scenario.bounds.heading_error)
 
 
-OrderPlanner = Callable[[Rearrangement], OrderPlan]
-
-
 def tidy(room: Room, *, progress: Callable[[TidyProgress], None] | None = None,
          run_progress: ProgressCallback | None = None, find_order: OrderPlanner = plan_order,
          after_move: Callable[[MoveResult], None] | None = None) -> TidyResult:
@@ -121,51 +113,49 @@ def tidy(room: Room, *, progress: Callable[[TidyProgress], None] | None = None,
     :param find_order: plans the order.
     :param after_move: called with each ``MoveResult``.
     """
-    run = _TidyRun(room, find_order)
+    supervisor = TidySupervisor([_goal_of(name, room) for name in room.scenarios],
+                                room.any_scenario.robot, room.task.drive, find_order=find_order)
+    run = _TidyRun(room)
     while True:
-        plan = run.next_plan()
+        move = supervisor.next_move(run.scene)
         if progress is not None:
-            progress(TidyProgress(plan, len(room.scenarios) - len(room.without_goal)
-                                  - len(run.unplaced), len(room.scenarios)
-                                  - len(room.without_goal)))
-        if not plan.moves or run.is_spent:
-            return run.result(plan)
-        result = run.make(plan.moves[0], run_progress)
+            progress(TidyProgress(supervisor.plan, supervisor.placed_count,
+                                  supervisor.goal_count))
+        if move is None:
+            return run.result(supervisor.failures())
+        result = run.make(move, run_progress)
+        is_done = result.run.outcome is Outcome.DONE
+        supervisor.end_move(move, None if is_done else result.run.reason)
         if after_move is not None:
             after_move(result)
+
+
+def _goal_of(name: str, room: Room) -> ObjectGoal:
+    scenario = room.scenarios[name]
+    bounds = scenario.bounds
+    return ObjectGoal(
+        name, scenario.object, None if name in room.without_goal else scenario.goal.pose,
+        GoalTolerances(bounds.position_error,
+                       bounds.heading_error if scenario.object.outline else math.pi))
 
 
 class _TidyRun:
     """Objects of a room, and what has been done with them."""
 
-    def __init__(self, room: Room, find_order: OrderPlanner) -> None:
+    def __init__(self, room: Room) -> None:
         self._room = room
-        self._find_order = find_order
         self._rng = np.random.default_rng(room.any_scenario.simulation.seed)
         self._poses = {name: item.start.object.pose for name, item in room.scenarios.items()}
         self._robot_pose = room.any_scenario.robot_start
         self._measured = self._measure()
         self._moves: list[MoveResult] = []
-        self._failed: Counter[str] = Counter()
-        self._refused: frozenset[tuple[str, Pose]] = frozenset()
-        self._given_up: dict[str, Report[ObjectFailure]] = {}
 
     @property
-    def is_spent(self) -> bool:
-        """Whether more moves would not help."""
-        return len(self._moves) >= MAX_MOVES_PER_OBJECT * len(self._poses)
-
-    @property
-    def unplaced(self) -> list[str]:
-        """Names of objects that are measured outside the bounds of their goals."""
-        return [item.name for item in self._objects() if not item.is_at_goal]
-
-    def next_plan(self) -> OrderPlan:
-        """Plan the order from where all are."""
-        scenario, task = self._room.any_scenario, self._room.task
-        return self._find_order(Rearrangement(
-            tuple(self._objects()), scenario.robot, self._robot_pose,
-            self._room.floor_map.read(task.map_reading), task.drive, self._refused))
+    def scene(self) -> MeasuredScene:
+        """Where all were last measured."""
+        room = self._room
+        return MeasuredScene(self._measured, self._robot_pose,
+                             room.floor_map.read(room.task.map_reading))
 
     def make(self, move: Move, progress: ProgressCallback | None) -> MoveResult:
         """Make a move, and measure where all are then."""
@@ -181,28 +171,17 @@ class _TidyRun:
             self._robot_pose = last_pose(run.tape, 'robot')
         result = MoveResult(move, run, touched)
         self._moves.append(result)
-        if run.outcome is Outcome.DONE:
-            self._refused = frozenset()
-        else:
-            self._note_failure(move, run)
         self._measured = self._measure()
         return result
 
-    def result(self, plan: OrderPlan) -> TidyResult:
+    def result(self, failures: dict[str, Report[ObjectFailure]]) -> TidyResult:
         """
         Sum up.
 
-        :param plan: that has no move left.
+        :param failures: why objects are not at their goals, by name.
         """
-        failures = {**plan.refusals, **self._given_up}
         return TidyResult(self._room, tuple(self._moves), dict(self._poses), self._robot_pose,
                           failures)
-
-    def _note_failure(self, move: Move, run: RunResult) -> None:
-        self._refused |= {(move.name, move.end)}
-        self._failed[move.name] += 1
-        if self._failed[move.name] >= MAX_FAILURES:
-            self._given_up[move.name] = ObjectFailure.PUSHES_FAILED.report(reason=run.reason)
 
     def _measure(self) -> dict[str, Pose]:
         """Measure all objects at rest."""
@@ -212,19 +191,6 @@ class _TidyRun:
                                        sensors.pose_heading_noise])
         return {name: Pose(*(np.array(pose) + deviations * self._rng.standard_normal(3)).tolist())
                 for name, pose in self._poses.items()}
-
-    def _objects(self) -> list[NamedObject]:
-        """List all objects as they are measured; those that are given up have no goal."""
-        objects: list[NamedObject] = []
-        for name, scenario in self._room.scenarios.items():
-            has_goal = name not in self._room.without_goal and name not in self._given_up
-            bounds = scenario.bounds
-            tolerances = GoalTolerances(
-                bounds.position_error,
-                bounds.heading_error if scenario.object.outline else math.pi)
-            objects.append(NamedObject(name, scenario.object, self._measured[name],
-                                       scenario.goal.pose if has_goal else None, tolerances))
-        return objects
 
     def _scenario_of(self, move: Move) -> Scenario:
         """Make the scenario of one move: the others are obstacles, and walls of the plant."""

@@ -14,9 +14,10 @@ from push_scenario.definition.floor_map import FloorMap
 from push_scenario.tidying import cli
 from push_scenario.tidying.room import Room, room_from_text
 from push_scenario.tidying.standing_objects import (
-    last_pose, least_gap, outline_walls, StandingObject, with_obstacles)
+    last_pose, least_gap, outline_walls, with_obstacles)
 from push_scenario.tidying.tidy import tidy
 from push_sim_node.tape import Tape
+from push_tidy.obstacles import StandingObject
 import pytest
 
 ROOM = """
