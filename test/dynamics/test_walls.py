@@ -194,6 +194,15 @@ def test_a_joint_of_walls_is_no_corner():
     assert ends[1] == pytest.approx(ends[0], abs=1e-6)
 
 
+def test_corners_depend_on_the_walls_that_meet_there_only():
+    """Rows of walls far from each other are those of each; joints along slanted walls, too."""
+    near = [Wall(0.0, 0.0, 0.3, 0.4), Wall(0.3, 0.4, 0.6, 0.8), Wall(0.15, 0.2, 1.0, 0.2)]
+    far = [Wall(9.0, 0.0, 9.3, 0.4), Wall(9.3, 0.4, 9.0, 0.4)]
+    assert set(wall_rows(near + far)) == {*wall_rows(near), *wall_rows(far)}
+    assert len(wall_rows(near)) == len(near) + 3
+    assert len(wall_rows(far)) == len(far) + 3
+
+
 def test_an_edge_rests_at_the_corner_of_a_wall():
     """In front of the middle it stops the box; beside it, the box turns out of its cone."""
     for offset in (0.0, 0.08):

@@ -57,6 +57,29 @@ def test_beams_meet_the_nearest_segment_before_them():
         [1.0, 2.0 / 0.6, math.inf])
 
 
+def test_beams_that_look_at_near_walls_first_meet_what_beams_meet_that_look_at_all():
+    """In a room full of specks, while the robot drives and turns."""
+    rng = np.random.default_rng(1)
+    cells = np.array(CELLS)
+    cells[rng.integers(0, cells.shape[0], 300), rng.integers(0, cells.shape[1], 300)] = True
+    walls = map_walls(OccupancyMap(0.05, ORIGIN, cells))
+    start = ORIGIN @ Pose(1.5, 1.2, 0.7)
+    lidar = Lidar(EXACT, BOX, walls, rng)
+    for time in (0.0, 0.1):
+        lidar.observe(BodyPoses(time, start._replace(
+            x=start.x + 2.0 * time, theta=start.theta + 3.0 * time), FAR))
+    scan = lidar.measure(0.0)
+    parts = np.arange(360) / 360
+    starts = np.stack((start.x + 0.2 * parts, np.full(360, start.y)), axis=1)
+    angles = start.theta + 0.3 * parts + scan.angle_min + scan.angle_increment * np.arange(360)
+    segments = np.array([dataclasses.astuple(wall) for wall in walls])
+    expected = distances_to_segments(
+        starts, np.stack((np.cos(angles), np.sin(angles)), axis=1), segments)
+    is_measured = expected >= EXACT.range_min
+    assert scan.ranges[is_measured] == pytest.approx(expected[is_measured], abs=1e-5)
+    assert is_measured.sum() > 300
+
+
 def test_the_object_hides_the_wall():
     """Its side is met where it faces the lidar; a lidar above it looks over it."""
     robot, box = ORIGIN @ Pose(1.2, 2.2, 0.0), ORIGIN @ Pose(1.8, 2.2, 0.0)
