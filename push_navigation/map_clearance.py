@@ -82,6 +82,20 @@ class MapContext(NamedTuple):
     sigmas: float = 2.0
 
 
+class PositionEllipse(NamedTuple):
+    """
+    Ellipse of the standard deviations of a position.
+
+    :param major: half its long axis [m].
+    :param minor: half its short axis [m].
+    :param angle: of the long axis in the world [rad].
+    """
+
+    major: float
+    minor: float
+    angle: float
+
+
 class Shortfall(NamedTuple):
     """
     Place on a path that lacks room for a robot which does not know its position.
@@ -91,6 +105,7 @@ class Shortfall(NamedTuple):
     :param clearance: of the place [m].
     :param required: clearance that the robot's centre needs there [m].
     :param deviation: standard deviation of the robot's position there [m].
+    :param ellipse: ``PositionEllipse`` of the robot there.
     """
 
     x: float
@@ -98,6 +113,7 @@ class Shortfall(NamedTuple):
     clearance: float
     required: float
     deviation: float
+    ellipse: PositionEllipse
 
 
 class MapClearance(NamedTuple):
@@ -146,7 +162,6 @@ class MapClearance(NamedTuple):
         :param slack: that the clearance may lack [m].
         """
         points = np.asarray(poses)[:, :2]
-        steps = np.diff(points, axis=0)
         lengths = _driven_lengths(points)
         clearance = self.context.occupancy_map.clearance(points)
         if np.all(clearance >= self.required(points, lengths) - slack):
@@ -154,10 +169,8 @@ class MapClearance(NamedTuple):
         without_drift = self._replace(counts_drift=False).required(points)
         if not np.all(clearance >= without_drift - slack):
             return False
-        middles = (points[:-1] + 0.5 * steps - points[0]) * np.diff(lengths)[:, None]
-        moments = np.concatenate([np.zeros((1, 2)), np.cumsum(middles, axis=0)])
-        levers = lengths[:, None] * (points - points[0]) - moments
-        return self._is_free_along(points, levers, without_drift - self.radius, slack)
+        return self._is_free_along(points, _levers(points, lengths),
+                                   without_drift - self.radius, slack)
 
     def shortfall(self, poses: FloatArray) -> Shortfall | None:
         """
@@ -173,11 +186,24 @@ class MapClearance(NamedTuple):
         worst = int(np.argmax(required - clearances))
         if clearances[worst] >= required[worst]:
             return None
-        deviations = self.context.uncertainty.deviations(
-            lengths, np.hypot(*(points - self.start).T))
+        away = np.hypot(*(points - self.start).T)
+        deviations = self.context.uncertainty.deviations(lengths, away)
+        ellipse = self._ellipse(_levers(points, lengths)[worst], float(away[worst]))
         return Shortfall(float(points[worst, 0]), float(points[worst, 1]),
                          float(clearances[worst]), float(required[worst]),
-                         float(deviations[worst]))
+                         float(deviations[worst]), ellipse)
+
+    def _ellipse(self, lever: FloatArray, away: float) -> PositionEllipse:
+        """
+        Predict the ellipse of the deviations at a place of a path.
+
+        :param lever: ``s p - int q ds`` there, shape (2,) [m^2].
+        :param away: from the start [m].
+        """
+        uncertainty = self.context.uncertainty
+        x, y = -uncertainty.drift * lever[1], uncertainty.drift * lever[0]
+        minor = math.hypot(uncertainty.position, uncertainty.slope * away)
+        return PositionEllipse(math.hypot(minor, x, y), minor, math.atan2(y, x))
 
     def _is_free_along(self, points: FloatArray, levers: FloatArray, others: FloatArray,
                        slack: float) -> bool:
@@ -206,6 +232,20 @@ class MapClearance(NamedTuple):
 def _driven_lengths(points: FloatArray) -> FloatArray:
     """Lengths driven from the first of some points to each [m]."""
     return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+
+
+def _levers(points: FloatArray, lengths: FloatArray) -> FloatArray:
+    """
+    Compute by which levers a drift of the heading has displaced the robot along a path.
+
+    :param points: (x, y) along it, shape (n, 2) [m].
+    :param lengths: driven to each, shape (n,) [m].
+    :return: ``s p - int q ds`` of each, shape (n, 2) [m^2].
+    """
+    away = points - points[0]
+    middles = 0.5 * (away[:-1] + away[1:]) * np.diff(lengths)[:, None]
+    moments = np.concatenate([np.zeros((1, 2)), np.cumsum(middles, axis=0)])
+    return lengths[:, None] * away - moments
 
 
 def map_clearance(robot: RoundRobot, start: Pose, goal: Pose, settings: DriveSettings,

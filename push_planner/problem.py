@@ -14,6 +14,7 @@ from push_model.optional import is_casadi_installed
 from push_model.parameters import Contact, PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure
 from push_model.quasi_static import pushed_friction_center, Vehicle, vehicle
+from push_planner.refusal_marks import NO_MARKS, RefusalMarks
 from push_planner.settings import PlannerSettings
 from push_planner.steered.push_parameters import PushKind, PushParameters
 
@@ -29,20 +30,23 @@ class PlanningFailed(Exception):
 
     :param code: ``push_model.plan_request.PlanFailure``, for control flow.
     :param reason: the same in one sentence with its numbers, for people.
-    :param report: further results by name.
+    :param report: further results by name; those of the marks come with them.
+    :param marks: ``RefusalMarks``, what a picture shows of it.
     """
 
     def __init__(self, code: PlanFailure, reason: str,
-                 report: Optional[Mapping[str, Any]] = None) -> None:
-        """Keep code, reason and report."""
+                 report: Optional[Mapping[str, Any]] = None,
+                 marks: RefusalMarks = NO_MARKS) -> None:
+        """Keep code, reason, report and marks."""
         super().__init__(reason)
         self.code = code
         self.reason = reason
-        self.report = dict(report or {})
+        self.report = {**marks.report(), **(report or {})}
+        self.marks = marks
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle with all arguments; an exception of itself pickles its message alone."""
-        return type(self), (self.code, self.reason, self.report)
+        return type(self), (self.code, self.reason, self.report, self.marks)
 
 
 def check_solver() -> None:

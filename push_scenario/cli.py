@@ -92,6 +92,10 @@ def _replay_all(options: argparse.Namespace) -> int:
             raise ValueError(f'--bag: got {len(scenarios)} scenarios, expected that of the '
                              'recording')
         return _play_back(scenarios[0], options.bag)
+    if options.plan:
+        from push_scenario.plan_command import show_plan
+        has_plan = [show_plan(scenario, options.out) for scenario in scenarios]
+        return AS_EXPECTED if all(has_plan) else NOT_AS_EXPECTED
     _choose_mode(options)
     if any(map(is_own_law, options.law or ())):
         # As Python does for a script: a law of one's own is in a module of this folder.

@@ -44,6 +44,9 @@ def _add_modes(parser: argparse.ArgumentParser) -> None:
                         help='run planner, controller and simulator in one process, without ROS')
     parser.add_argument('--real-time', action='store_true',
                         help='run over DDS at the speed of the wall clock instead of in lockstep')
+    parser.add_argument('--plan', action='store_true',
+                        help='only plan the pushes of a task, and draw them, or why there is no '
+                        'plan; the exit status is 1 where there is none')
     parser.add_argument('--bag', type=Path, metavar='DIR',
                         help='play a recording of this scenario to the controller, and tell '
                         'whether it commands the same, to the byte')

@@ -5,14 +5,18 @@ It simulates their scenarios in this process, and writes how each run ended to `
 which tests compare with runs of their own.
 """
 
+import dataclasses
 import json
 from pathlib import Path
 import sys
 
 from push_scenario.definition.loader import load_scenario
+from push_scenario.definition.scenario import Scenario
 from push_scenario.evaluation.headline import headline
+from push_scenario.first_plan import find_first_plan
 from push_scenario.plots.animation import draw_animation
 from push_scenario.plots.figure import draw_figure, draw_floor
+from push_scenario.plots.plan_picture import draw_plan_picture
 from push_scenario.simulation.loop import simulate
 from push_scenario.simulation.result import RunResult
 
@@ -22,6 +26,9 @@ RECORD = DOCS / 'pictures.json'
 RUNS = {'task_demo': ('feedback',), 'task_flat': ('feedback',),
         'corner_push_mismatch': ('open_loop', 'feedback', 'mpc')}
 
+# Scenario whose first plan is drawn, and drift of the heading with which it is refused [rad/m].
+PLANNED, DRIFT = 'task_flat', 0.1
+
 
 def main() -> int:
     """Run the scenarios, and draw them."""
@@ -30,11 +37,28 @@ def main() -> int:
     draw_figure(runs['corner_push_mismatch'], DOCS / 'laws.png')
     draw_floor(runs['task_flat'][0], DOCS / 'concepts' / 'flat.png')
     draw_animation(runs['task_flat'], DOCS / 'concepts' / 'flat.gif')
+    draw_plans()
     record = {name: {result.control_law: headline(result) for result in results}
               for name, results in runs.items()}
     RECORD.write_text(json.dumps(record, indent=2) + '\n', encoding='utf-8')
-    print(f'written: demo.gif, laws.png, concepts/flat.png, concepts/flat.gif, {RECORD.name}')
+    print('written: demo.gif, laws.png, concepts/flat.png, concepts/flat.gif, concepts/plan.png, '
+          f'concepts/refusal.png, {RECORD.name}')
     return 0
+
+
+def draw_plans() -> None:
+    """Draw a first plan, and why there is none for a robot whose odometry drifts more."""
+    scenario = load_scenario(PLANNED)
+    for case, name in ((scenario, 'plan.png'), (_drifting(scenario), 'refusal.png')):
+        draw_plan_picture(case, find_first_plan(case), DOCS / 'concepts' / name)
+
+
+def _drifting(scenario: Scenario) -> Scenario:
+    """Return the same with a robot that states a larger drift of its heading."""
+    task = scenario.task
+    assert task is not None
+    supervision = dataclasses.replace(task.supervision, odometry_drift=DRIFT)
+    return dataclasses.replace(scenario, task=dataclasses.replace(task, supervision=supervision))
 
 
 def pictured(name: str, law: str) -> str:

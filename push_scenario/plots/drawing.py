@@ -239,7 +239,7 @@ def set_view(axes: Axes, results: Sequence[RunResult], margin: float) -> tuple[f
     :param margin: free rim without a map [m].
     :return: width and height of what is shown [m].
     """
-    low, high = _map_extent(results[0].scenario)
+    low, high = map_extent(results[0].scenario)
     if low is None or high is None:
         shown = _moving_points(results)
         low, high = shown.min(axis=0) - margin, shown.max(axis=0) + margin
@@ -249,7 +249,8 @@ def set_view(axes: Axes, results: Sequence[RunResult], margin: float) -> tuple[f
     return float(high[0] - low[0]), float(high[1] - low[1])
 
 
-def _map_extent(scenario: Scenario) -> tuple[FloatArray | None, FloatArray | None]:
+def map_extent(scenario: Scenario) -> tuple[FloatArray | None, FloatArray | None]:
+    """Return the lower left and upper right corners of the map [m]; None where there is none."""
     occupancy_map = None if scenario.task is None else scenario.task.occupancy_map
     if occupancy_map is None:
         return None, None

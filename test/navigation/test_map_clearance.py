@@ -8,7 +8,7 @@ import numpy as np
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
 from push_navigation.approach.approach_path import plan_approach
-from push_navigation.map_clearance import PositionUncertainty
+from push_navigation.map_clearance import MapClearance, MapContext, PositionUncertainty
 from push_navigation.path import NoPathFound, PathFailure, sample_path
 from push_navigation.path_planner import plan_path
 from push_navigation.settings import DriveSettings
@@ -108,3 +108,27 @@ def test_a_robot_that_starts_beside_a_wall_may_leave_it():
                      occupancy_map=occupancy_map, uncertainty=PositionUncertainty(0.05, 0.02, 0.0))
     found = gaps(occupancy_map, sample_path(path, ROBOT, 0.02))
     assert math.isclose(found.min(), found[0], abs_tol=0.01)
+
+
+@pytest.mark.parametrize('bend', [0.0, 1.2])
+def test_the_ellipse_of_a_place_is_that_of_drawn_robots(bend: float) -> None:
+    """Its axes and direction at the end of a straight and of a bent way."""
+    uncertainty = PositionUncertainty(0.02, 0.01, 0.03)
+    angles = np.linspace(0.0, bend, 200)
+    steps = 4.0 / 199.0 * np.column_stack([np.cos(angles), np.sin(angles)])
+    points = np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)[:-1]])
+    rows = np.column_stack([points, angles])
+    occupancy_map = walled_room(side=10.0)
+    margins = MapClearance(MapContext(occupancy_map, uncertainty, 20.0), ROBOT.radius, (0.0, 0.0),
+                           0.05, math.inf)
+    shortfall = margins.shortfall(rows)
+    assert shortfall is not None
+    assert (shortfall.x, shortfall.y) == pytest.approx(points[-1].tolist(), abs=1e-9)
+    errors = drawn_errors(rows, uncertainty)[:, -1]
+    variances, axes = np.linalg.eigh(np.cov(errors.real, errors.imag))
+    minor, major = np.sqrt(variances).tolist()
+    # 400 robots know their deviation to a twentieth.
+    assert shortfall.ellipse.major == pytest.approx(major, rel=0.15)
+    assert shortfall.ellipse.minor == pytest.approx(minor, rel=0.35)
+    direction = math.atan2(axes[1, 1], axes[0, 1])
+    assert math.sin(shortfall.ellipse.angle - direction) == pytest.approx(0.0, abs=0.1)

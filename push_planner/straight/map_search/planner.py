@@ -22,6 +22,7 @@ from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.path_planner import CLEARANCE_STEPS
 from push_navigation.settings import DriveSettings
 from push_planner.problem import PlanningFailed
+from push_planner.refusal_marks import RefusalMarks
 from push_planner.settings import PlannerSettings
 from push_planner.straight.map_search.object_distance import (
     distance_grid, DistanceGrid, length_at, UNREACHED)
@@ -202,7 +203,7 @@ class _MapPlanner:
             if occupancy_map.object_clearance(request.obj, [pose]) < -overlap:
                 raise PlanningFailed(
                     PlanFailure.NOT_FREE, f'the {name} at {pose.x:.2f} m, {pose.y:.2f} m, where '
-                    'the map has an obstacle or ends')
+                    'the map has an obstacle or ends', marks=RefusalMarks(overlap=pose))
         self._scene = make_scene(occupancy_map, request.obj, robot.radius)
         self._open_radius = (self._scene.outer_radius + drive.standoff
                              + 2.0 * (robot.radius + drive.clearance))
@@ -372,10 +373,11 @@ class _MapPlanner:
         if result is None or known.paths.is_too_uncertain:
             if self._needs_certainty(known):
                 return known.refusals.too_uncertain(known.pushes, known.paths)
+        clearance = MIN_FRACTION * self._drive.map_clearance
         if result is None:
-            return known.refusals.no_face(known.pushes, MIN_FRACTION * self._drive.map_clearance)
+            return known.refusals.no_face(known.pushes, clearance)
         if result.end is SearchEnd.EXHAUSTED and result.farthest < SHUT_IN_DISTANCE:
-            return known.refusals.shut_in(result)
+            return known.refusals.shut_in(result, known.pushes, clearance)
         return known.refusals.incomplete(result)
 
     def _needs_certainty(self, known: _Known) -> bool:

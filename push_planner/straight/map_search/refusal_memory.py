@@ -60,7 +60,8 @@ class RefusalMemory:
         """Return the refusal of a question that has not changed; None where it has."""
         for asked, refusal in self._refusals:
             if question.is_like(asked):
-                return PlanningFailed(refusal.code, refusal.reason, refusal.report)
+                return PlanningFailed(refusal.code, refusal.reason, refusal.report,
+                                      refusal.marks)
         return None
 
 

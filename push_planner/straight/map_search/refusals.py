@@ -4,10 +4,11 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-from push_model.geometry import BoolArray, Pose
+from push_model.geometry import Pose
 from push_model.plan_request import PlanFailure
 from push_navigation.occupancy_map import OccupancyMap
 from push_planner.problem import PlanningFailed
+from push_planner.refusal_marks import FaceMark, NarrowPlace, RefusalMarks
 from push_planner.straight.map_search.dead_ends import STANDOFF
 from push_planner.straight.map_search.object_distance import narrowest_passage
 from push_planner.straight.map_search.pushes import Pushes
@@ -59,7 +60,7 @@ class Refusals(NamedTuple):
         return PlanningFailed(
             PlanFailure.BLOCKED, f'the floor is too narrow for the object at {x:.2f} m, {y:.2f} m:'
             f' {passage.width:.2f} m wide, at least {needed:.2f} m needed',
-            {'narrow_place': (x, y), 'width': passage.width, 'needed_width': needed})
+            marks=RefusalMarks(NarrowPlace(x, y, passage.width, needed)))
 
     def too_uncertain(self, pushes: Pushes, paths: ApproachPaths) -> PlanningFailed:
         """
@@ -79,8 +80,8 @@ class Refusals(NamedTuple):
             PlanFailure.UNCERTAIN_POSITION, f'{text}: at {worst.x:.2f} m, {worst.y:.2f} m, where '
             f'{width:.2f} m are free, its standard deviation is {worst.deviation:.2f} m, so that '
             f'it needs {needed:.2f} m',
-            {'narrow_place': (worst.x, worst.y), 'width': width, 'needed_width': needed,
-             'position_deviation': worst.deviation})
+            {'position_deviation': worst.deviation},
+            RefusalMarks(NarrowPlace(worst.x, worst.y, width, needed, worst.ellipse)))
 
     def _roomiest_starts(self, pushes: Pushes) -> list[Pose]:
         """List the start with the most room at each face."""
@@ -97,23 +98,27 @@ class Refusals(NamedTuple):
         :param pushes: ``Pushes``.
         :param clearance: that it keeps from obstacles at least [m].
         """
-        places = pushes.middles - STANDOFF * pushes.normals
-        room = self.occupancy_map.clearance_in_map_frame(
-            *_placed(self.poses.start, places).T) - self.scene.robot_radius
-        has_room: BoolArray = room >= clearance
+        faces = self._faces(pushes, clearance)
+        with_room = sum(face.has_room for face in faces)
         x, y = self._in_world(*self.poses.start[:2])
         return PlanningFailed(
             PlanFailure.NO_FACE, f'the object at {x:.2f} m, {y:.2f} m cannot be pushed away: the '
-            f'robot has room at {int(has_room.sum())} of {len(room)} faces, and reaches none from '
-            'where a push meets no obstacle', self._faces(has_room))
+            f'robot has room at {with_room} of {len(faces)} faces, and reaches none from '
+            'where a push meets no obstacle', marks=RefusalMarks(faces=faces))
 
-    def shut_in(self, result: SearchResult) -> PlanningFailed:
-        """Say how far the object can be moved before the robot has no room for another push."""
+    def shut_in(self, result: SearchResult, pushes: Pushes, clearance: float) -> PlanningFailed:
+        """
+        Say how far the object can be moved before the robot has no room for another push.
+
+        :param pushes: ``Pushes``.
+        :param clearance: that the robot keeps from obstacles at least [m].
+        """
         x, y = self._in_world(*self.poses.start[:2])
         return PlanningFailed(
             PlanFailure.NO_FACE, f'the object at {x:.2f} m, {y:.2f} m cannot be pushed away: it '
             f'moves by {result.farthest:.2f} m at most before the robot has no room for another '
-            'push', {'expansions': result.expansions, 'farthest': result.farthest})
+            'push', {'expansions': result.expansions, 'farthest': result.farthest},
+            RefusalMarks(faces=self._faces(pushes, clearance)))
 
     def incomplete(self, result: SearchResult) -> PlanningFailed:
         """Say how near to its goal the object gets, and whether all was searched."""
@@ -124,10 +129,15 @@ class Refusals(NamedTuple):
             END_CODES[result.end], 'no chain of pushes to the goal was found: the object gets as '
             f'far as {x:.2f} m, {y:.2f} m, where the floor is {width:.2f} m wide ('
             f'{result.end.value}, {result.expansions} expansions)',
-            {'expansions': result.expansions, 'narrow_place': (x, y), 'width': width})
+            {'expansions': result.expansions}, RefusalMarks(
+                NarrowPlace(x, y, width), nearest=self.occupancy_map.origin @ nearest))
 
-    def _faces(self, has_room: BoolArray) -> dict[str, Any]:
-        return {'faces': len(has_room), 'faces_with_room': int(has_room.sum())}
+    def _faces(self, pushes: Pushes, clearance: float) -> tuple[FaceMark, ...]:
+        """Mark where the robot would stand at each face, and whether it has room there."""
+        places = _placed(self.poses.start, pushes.middles - STANDOFF * pushes.normals)
+        room = self.occupancy_map.clearance_in_map_frame(*places.T) - self.scene.robot_radius
+        return tuple(FaceMark(x, y, bool(gap >= clearance)) for (x, y), gap in zip(
+            self.occupancy_map.from_map(places).tolist(), room))
 
     def _in_world(self, x: float, y: float) -> tuple[float, float]:
         (world_x, world_y), = self.occupancy_map.from_map([(x, y)]).tolist()

@@ -24,6 +24,7 @@ class RemainingPush(NamedTuple):
     :param length: driven length [m].
     :param remaining_time: that the task takes after it [s].
     :param deviation: standard deviation of the object before it [m].
+    :param robot_start: ``Pose`` of the robot at first contact, heading as it moves, in the world.
     """
 
     primitive: int
@@ -32,6 +33,12 @@ class RemainingPush(NamedTuple):
     length: float
     remaining_time: float
     deviation: float
+    robot_start: Pose
+
+    @property
+    def robot_end(self) -> Pose:
+        """``Pose`` of the robot after it, about."""
+        return self.robot_start @ Pose(self.length, 0.0, 0.0)
 
 
 class RemainingPushes(NamedTuple):
@@ -72,7 +79,8 @@ def pushes_after_first(result: SearchResult, pushes: Pushes, origin: Pose,
     later = tuple(
         RemainingPush(int(pushes.primitives[push.push_index]), origin @ push.start,
                       origin @ push.end, push.length, result.cost - push.cost,
-                      _deviation(pushes, before))
+                      _deviation(pushes, before),
+                      origin @ push.start @ Pose(*pushes.starts[push.push_index].tolist()))
         for before, push in zip(result.pushes, result.pushes[1:]))
     return RemainingPushes(goal, later)
 
