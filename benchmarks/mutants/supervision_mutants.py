@@ -3,15 +3,17 @@
 from benchmarks.mutants.mutant import Mutant
 
 TASK = 'test/control/task'
+# Files that are the quickest to notice.
 TASK_FILES = {'stand_reasons': 'test_stand_reasons', 'execution': 'test_supervisor_stops',
-              'supervisor': 'test_supervisor_stops'}
+              'supervisor': 'test_supervisor_requests'}
 BEHAVIORS = 'test/control/behaviors'
 CALIBRATION = ('test/base/test_calibration_square.py', 'test/base/test_calibration.py')
 
 
 def _task(name: str, module: str, old: str, new: str) -> Mutant:
     return Mutant(name, f'push_control/task/{module}.py', old, new,
-                  (f'{TASK}/{TASK_FILES[module]}.py', f'{TASK}/test_supervisor.py'))
+                  (f'{TASK}/{TASK_FILES[module]}.py', *(f'{TASK}/test_{each}.py' for each in (
+                      'supervisor_requests', 'supervisor_stops', 'supervisor'))))
 
 
 def _behavior(name: str, module: str, old: str, new: str) -> Mutant:

@@ -3,6 +3,7 @@
 import contextlib
 import time
 
+from helpers.node_bench import REACTION_TIMEOUT
 from push_control.controller_node import ControllerNode
 from push_control.ros.commands import STOP_COMMANDS
 from push_control.steered.status import Phase
@@ -28,7 +29,7 @@ pytestmark = pytest.mark.dds
 SCENARIO = load_scenario('straight_push')
 OBJECT, ROBOT, GOAL = SCENARIO.start.object.pose, SCENARIO.robot_start, SCENARIO.goal.pose
 PERIOD = 0.02
-# Wall time for all that must come to come [s]; no measure of speed.
+# Wall time in which the nodes must meet [s]; no measure of speed.
 TIMEOUT = 300.0
 
 
@@ -67,9 +68,9 @@ class Stage:
         node.controller.on_plan(to_plan_message(
             plan_push(problem).trajectory, exact_stamp(round(self.time * NANOSECONDS)), 'odom'))
 
-    def wait_until(self, condition, obeyed=None):
+    def wait_until(self, condition, obeyed=None, timeout=REACTION_TIMEOUT):
         """Measure until something holds, in time for messages to come through."""
-        end = time.monotonic() + TIMEOUT
+        end = time.monotonic() + timeout
         while not condition():
             assert time.monotonic() < end, [node.controller.pursuit.progress
                                             for node in self.nodes]
@@ -99,7 +100,7 @@ def stage(tmp_path):
                 node.controller._others._look()
             return all(node.controller._others.names == f'/{CONTROLLER}' for node in nodes)
         made.step()
-        made.wait_until(have_met)
+        made.wait_until(have_met, timeout=TIMEOUT)
         yield made
 
 

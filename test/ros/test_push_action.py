@@ -2,6 +2,7 @@
 
 import math
 import time
+from typing import Any
 
 from action_msgs.msg import GoalStatus
 from builtin_interfaces.msg import Duration
@@ -9,6 +10,8 @@ from geometry_msgs.msg import PoseStamped
 from helpers.architecture import ROOT
 from helpers.build_interfaces import available
 from helpers.node_bench import bench, REACTION_TIMEOUT, TIMEOUT
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState
 from push_control.events import TaskEvent
 from push_model.files.data import config_file
 from push_model.files.flat_values import to_parameter_values
@@ -98,14 +101,18 @@ class Client:
             self.measure()
             assert time.monotonic() < end
 
-    def send(self, pose, **fields):
-        """Send a goal; return the handle of the accepted goal and the future of its result."""
+    def offer(self, pose: Pose | PoseStamped, **fields: Any) -> ClientGoalHandle:
+        """Send a goal; return its handle, accepted or not."""
         self.feedback.clear()
         goal = self.action.Goal(goal_pose=stamped(pose), **fields)
         sent = self._client.send_goal_async(
             goal, feedback_callback=lambda message: self.feedback.append(message.feedback))
         self.b.wait_until(sent.done)
-        handle = sent.result()
+        return sent.result()
+
+    def send(self, pose, **fields):
+        """Send a goal; return the handle of the accepted goal and the future of its result."""
+        handle = self.offer(pose, **fields)
         assert handle.accepted
         return handle, handle.get_result_async()
 
@@ -191,16 +198,16 @@ def test_a_goal_that_odometry_alone_knows_says_how_well(client):
     assert all(0.0 < value < 0.1 for value in deviations)
     status = client.statuses[-1]
     assert list(status.codes) == list(ended.result.codes)
-    # They go on to be estimated while the robot stands.
+    # They go on to grow while the robot stands, for as long as the messages take.
     assert (status.position_deviation, status.heading_deviation) == (
-        pytest.approx(deviations, rel=0.1))
+        pytest.approx(deviations, rel=0.5))
     reports = [status for message in client.b.received['diagnostics']
                for status in message.status if status.message.startswith('task: done')]
     assert reports and all(report.level == OK for report in reports)
     values = status_values(reports[-1])
     assert values['codes'] == str(TaskEvent.DONE_BY_ODOMETRY)
     assert (float(values['position_deviation']), float(values['heading_deviation'])) == (
-        pytest.approx(deviations, rel=0.1))
+        pytest.approx(deviations, rel=0.5))
 
 
 def cancel(client: Client, handle: ClientGoalHandle, result: Future) -> None:
@@ -316,10 +323,10 @@ def test_a_goal_may_name_another_object(client):
     assert not refused.successful and 'while a goal is pursued' in refused.reason
     for name, obj in (('bin', BIN), ('box_04', SCENARIO.object)):
         handle, result = client.send(GOAL, object_name=name)
+        client.measure_until(lambda: client.statuses[-1].object_name == name, REACTION_TIMEOUT)
         # A request to the goal before may still be on its way.
         client.measure_until(lambda: reference_object(
             from_request_message(requests[-1], 'odom').obj) == reference_object(obj))
-        assert client.statuses[-1].object_name == name
         client.b.wait_until(handle.cancel_goal_async().done, REACTION_TIMEOUT)
         client.measure_until(result.done, REACTION_TIMEOUT)
     assert first.result().result.error_code == client.action.Result.PREEMPTED
@@ -427,6 +434,16 @@ def test_a_goal_ends_at_its_time_limit_without_odometry(client):
     ended = result.result().result
     assert ended.error_code == client.action.Result.TIMEOUT and client.now - began > 4.9
     assert 'no odometry comes' in ended.error_msg
+
+
+def test_an_inactive_controller_rejects_goals(client: Client) -> None:
+    """At once, without a result to wait for; active again it takes them."""
+    for transition in (Transition.TRANSITION_DEACTIVATE, Transition.TRANSITION_ACTIVATE):
+        assert client.b.request(ChangeState, f'{CONTROLLER}/change_state', ChangeState.Request(
+            transition=Transition(id=transition))).success
+        if transition == Transition.TRANSITION_DEACTIVATE:
+            assert not client.offer(GOAL).accepted
+    assert client.result(OBJECT).status == GoalStatus.STATUS_SUCCEEDED
 
 
 def test_a_client_is_told_that_the_controller_ends(client):

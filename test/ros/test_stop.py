@@ -6,7 +6,7 @@ from typing import Any
 from action_msgs.msg import GoalStatus
 from helpers.architecture import ROOT
 from helpers.build_interfaces import available
-from helpers.node_bench import bench
+from helpers.node_bench import bench, REACTION_TIMEOUT
 from helpers.single_push_bench import GOAL, PHYSICS, plan, SinglePushBench, ZERO
 from push_ros.conversions.primitives import to_pose_message
 from push_ros.diagnostics import ERROR, WARN
@@ -98,7 +98,7 @@ def test_a_push_that_is_stopped_ends_and_goes_on_with_the_start(
     controller.send(plan(), requests[-1].header.stamp)
     controller.drive()
     assert controller.b.call('controller/stop').success
-    controller.b.wait_until(result.done)
+    controller.b.wait_until(result.done, REACTION_TIMEOUT)
     assert result.result().status == GoalStatus.STATUS_ABORTED
     assert result.result().result.error_code == client.codes.INTERRUPTED
     assert result.result().result.error_msg == STOPPED
