@@ -64,8 +64,8 @@ class PlaceSettings:
     stop_distance: float = quantity('the same distance on the way of the robot, within which it '
                                     'stands', 'm', 0.0, 10.0, is_dynamic=False, default=0.5)
     restart_time: float = quantity(
-        'time for which the way has to be clear before it goes on', 's', 0.0, 1e6,
-        is_dynamic=False, default=2.0)
+        'time for which the way has to be clear before it goes on by itself; 0: it waits for '
+        'controller/resume or a goal', 's', 0.0, 1e6, is_dynamic=False, default=0.0)
 
     def __post_init__(self) -> None:
         """Validate the fields."""

@@ -3,7 +3,8 @@ Protective field: what a scan shows near the robot, in neither map nor object, s
 
 Something within a distance of the hull, on any side, limits the speed: whoever walks up to the
 robot then meets one that hardly moves. Something on the way of the robot, nearer than a second
-distance, stops it. It goes on once that has been clear for a while.
+distance, stops it, until a person lets it go on, or, where that is set, until the way has been
+clear for a while.
 """
 
 import math
@@ -25,9 +26,9 @@ MAX_DEPTH = 0.05
 SIDE_MARGIN = 0.1
 # Speed from which the robot has a direction of motion [m/s]; chosen: above the noise of odometry.
 MIN_SPEED = 0.02
-# Time for which the robot stays slow once nothing is near [s], and age of a scan from which on it
-# tells nothing [s]; chosen: five scans each.
-SLOW_TIME, MAX_AGE = 0.5, 0.5
+# Time for which the robot stays slow once nothing is near [s], time after which the way counts as
+# clear [s], and age of a scan from which on it tells nothing [s]; chosen: five scans each.
+SLOW_TIME, CLEAR_TIME, MAX_AGE = 0.5, 0.5, 0.5
 
 
 class ProtectiveCause(Cause):
@@ -35,7 +36,15 @@ class ProtectiveCause(Cause):
 
     OBSTRUCTED = ('a scan shows something in the way, in neither map nor object; the robot goes '
                   'on once that has been clear for {restart_time:g} s')
+    OBSTRUCTED_UNTIL_RESUME = (
+        'a scan has shown something in the way, in neither map nor object: call '
+        'controller/resume or send another goal once that is clear')
     NO_SCAN = 'no scan has come for {age:.1f} s that can be compared with the map'
+
+    @property
+    def awaits_resume(self) -> bool:
+        """Tell whether the robot stands until somebody lets it go on, clear or not."""
+        return self is ProtectiveCause.OBSTRUCTED_UNTIL_RESUME
 
 
 class Protection(NamedTuple):
@@ -67,6 +76,8 @@ class ProtectiveField:
         # unit vector in its axes.
         self._near_at = self._blocked_at = -math.inf
         self._direction = np.zeros(2)
+        # Whether the last scan showed something in the way: one alone may have stray beams.
+        self._was_blocked = False
 
     def decide(self, seen: UnexplainedPoints | None, odometry: Odometry) -> Protection:
         """
@@ -91,7 +102,10 @@ class ProtectiveField:
         age = time - self._scan_time
         if age > MAX_AGE:
             return Protection(limit, ProtectiveCause.NO_SCAN.report(age=age))
-        if time - self._blocked_at <= settings.restart_time:
+        since = time - self._blocked_at
+        if settings.restart_time == 0.0 and since <= CLEAR_TIME:
+            return Protection(limit, ProtectiveCause.OBSTRUCTED_UNTIL_RESUME.report())
+        if since <= settings.restart_time:
             return Protection(limit, ProtectiveCause.OBSTRUCTED.report(
                 restart_time=settings.restart_time))
         return Protection(limit)
@@ -105,8 +119,10 @@ class ProtectiveField:
         is_ahead = ((points @ self._direction > 0.0)
                     & (np.abs(lateral) < self._radius + SIDE_MARGIN)
                     & (distances < self._settings.stop_distance))
-        if is_ahead.any():
+        is_blocked = bool(is_ahead.any())
+        if is_blocked and self._was_blocked:
             self._blocked_at = time
+        self._was_blocked = is_blocked
 
 
 def clustered(points: FloatArray) -> FloatArray:

@@ -68,6 +68,9 @@ class Walker:
         is_stopped = any(isinstance(code, ProtectiveCause) for code in causes)
         self.stops += is_stopped and not self._was_stopped
         self._was_stopped = is_stopped
+        if supervisor.awaits_resume and self._speed == 0.0:
+            # Whoever has crossed, or looks after the robot, lets it go on.
+            supervisor.resume()
         if not self._walks or simulation.time < self._start_time:
             return
         robot = np.array(simulation.plant.robot_pose[:2])

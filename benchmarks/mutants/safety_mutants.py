@@ -5,7 +5,8 @@ from benchmarks.mutants.mutant import Mutant
 TESTS = 'test/safety'
 FILES = {'layer': 'test_layer', 'stop': 'test_stop', 'status': 'test_standstill',
          'pose_check': 'test_pose_check', 'odometry_check': 'test_odometry_check',
-         'motion_check': 'test_motion_check', 'stamp_check': 'test_stamp_check'}
+         'motion_check': 'test_motion_check', 'stamp_check': 'test_stamp_check',
+         'protective_field': 'test_protective_field'}
 
 
 def _mutant(name: str, module: str, old: str, new: str, first: str = '') -> Mutant:
@@ -124,4 +125,17 @@ STAMPS = (
     _mutant('another time is believed at once', 'stamp_check',
             'self._candidate - self._first_candidate >= NEW_CLOCK_TIME)', 'True)'),
 )
-MUTANTS = LAYER + STOP + POSES + ODOMETRY + MOTION + STAMPS
+PEOPLE = (
+    _mutant('who is in the way stops nobody', 'protective_field',
+            'if is_blocked and self._was_blocked:', 'if False:'),
+    _mutant('one scan stops', 'protective_field',
+            'if is_blocked and self._was_blocked:', 'if is_blocked:'),
+    _mutant('who is near slows nobody', 'protective_field',
+            'if (distances < self._settings.slow_distance).any():', 'if False:'),
+    _mutant('scans that stop protect all the same', 'protective_field',
+            'if age > MAX_AGE:', 'if False:'),
+    _mutant('who has left lets the robot go on', 'protective_field',
+            'return self is ProtectiveCause.OBSTRUCTED_UNTIL_RESUME', 'return False',
+            '../control/task/test_stand_reasons'),
+)
+MUTANTS = LAYER + STOP + PEOPLE + POSES + ODOMETRY + MOTION + STAMPS

@@ -7,13 +7,14 @@ from typing import NamedTuple
 from push_control.goal import TaskFailure
 from push_control.perception.measurement_watch import MeasurementWatch
 from push_model.events import AnyReport, EventReport
+from push_safety.protective_field import ProtectiveCause
 from push_safety.status import SafetyReport
 
 
 class StandCause(enum.Enum):
     """Cause for which a robot stands; the first one of those that hold counts."""
 
-    # The base was stopped: somebody has to let it go on.
+    # The base was stopped, or something was in its way: somebody has to let it go on.
     AWAITS_RESUME = 'awaits resume'
     SAFETY_STOP = 'safety stop'
     # Something that is required is missing, as the map.
@@ -59,6 +60,8 @@ class StandReasons:
         self._stop: SafetyReport | None = None
         self._stopped_since = 0.0
         self._hold_report: AnyReport | None = None
+        # A hold that outlasts what it was for.
+        self._lasting_hold: AnyReport | None = None
         self._watch = MeasurementWatch()
         self._fault: EventReport | None = None
 
@@ -82,17 +85,20 @@ class StandReasons:
         return self._stop is not None
 
     def resume(self) -> None:
-        """Forget a stop after which somebody was awaited: here they are."""
+        """Forget what somebody was awaited for: here they are."""
+        self._lasting_hold = None
         if self._stop is not None and self._stop.code.awaits_resume:
             self._stop = None
 
     def hold(self, report: AnyReport | None) -> None:
         """
-        Stand for as long as something is missing.
+        Stand for as long as something is missing or in the way, or until ``resume``.
 
         :param report: ``Report`` of what; None where nothing is.
         """
         self._hold_report = report
+        if report is not None and _awaits_resume(report):
+            self._lasting_hold = report
 
     def on_measurements(self, fault: EventReport | None, time: float) -> None:
         """
@@ -101,7 +107,7 @@ class StandReasons:
         :param fault: why not, or None where they can.
         :param time: now [s].
         """
-        if self._stop is not None or self._hold_report is not None:
+        if not (self._stop is None and self._hold_report is None and self._lasting_hold is None):
             self.forget_measurements()
         else:
             self._fault = self._watch.update(fault, time)
@@ -120,10 +126,12 @@ class StandReasons:
         reasons: list[StandReason] = []
         if self._stop is not None and self._stop.code.awaits_resume:
             reasons.append(StandReason(StandCause.AWAITS_RESUME, self._stop))
+        elif self._lasting_hold is not None:
+            reasons.append(StandReason(StandCause.AWAITS_RESUME, self._lasting_hold))
         elif self._stop is not None:
             duration = time - self._stopped_since
             reasons.append(StandReason(StandCause.SAFETY_STOP, self._stop, duration))
-        if self._hold_report is not None:
+        if self._hold_report is not None and not _awaits_resume(self._hold_report):
             reasons.append(StandReason(StandCause.HOLD, self._hold_report))
         if self._fault is not None:
             duration = self._watch.waited(time)
@@ -137,3 +145,8 @@ class StandReasons:
         :param time: now [s].
         """
         return next(iter(self.all(time)), None)
+
+
+def _awaits_resume(report: AnyReport) -> bool:
+    """Tell whether what has stopped the robot may be gone, and a person has to say so."""
+    return isinstance(report.code, ProtectiveCause) and report.code.awaits_resume

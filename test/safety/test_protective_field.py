@@ -12,7 +12,7 @@ from push_model.geometry import Pose
 from push_model.signals import Odometry, Twist
 from push_safety.layer import SafetyLayer
 from push_safety.protective_field import (
-    clustered, MAX_AGE, ProtectiveCause, ProtectiveField, SLOW_TIME,
+    CLEAR_TIME, clustered, MAX_AGE, ProtectiveCause, ProtectiveField, SLOW_TIME,
 )
 import pytest
 
@@ -20,6 +20,7 @@ RADIUS = 0.2
 SETTINGS = PlaceSettings(source='scan', slow_distance=1.5)
 STOP = SETTINGS.stop_distance
 NOBODY = np.zeros((0, 2))
+SCAN_PERIOD = 0.1
 
 
 def person(distance, bearing=0.0):
@@ -37,9 +38,11 @@ def driving(time, direction=0.0, speed=0.3):
 
 
 def decide(points, direction=0.0, field=None, time=1.0):
-    """Let one scan come."""
+    """Let two scans come that show the same."""
     field = field or ProtectiveField(SETTINGS, RADIUS)
-    return field.decide(UnexplainedPoints(time, points), driving(time, direction))
+    for each in (time - SCAN_PERIOD, time):
+        protection = field.decide(UnexplainedPoints(each, points), driving(each, direction))
+    return protection
 
 
 @pytest.mark.parametrize('direction', [0.0, 1.0, 3.0, -2.0])
@@ -52,7 +55,7 @@ def test_who_is_near_slows_on_any_side_and_stops_ahead_alone(direction):
         near = decide(person(STOP - 0.05, direction + side), direction)
         assert (near.report is not None) == (side == 0.0)
         if near.report is not None:
-            assert near.report.code is ProtectiveCause.OBSTRUCTED
+            assert near.report.code is ProtectiveCause.OBSTRUCTED_UNTIL_RESUME
     assert decide(person(STOP + 0.05, direction), direction).report is None
 
 
@@ -65,17 +68,35 @@ def test_stray_beams_are_nobody():
     assert len(clustered(crowd)) == 3 and len(clustered(NOBODY)) == 0
 
 
-def test_a_robot_goes_on_once_the_way_has_been_clear_for_a_while():
-    """From the last scan that shows somebody there, not from the first."""
-    field = ProtectiveField(SETTINGS, RADIUS)
-    assert decide(person(0.2), field=field, time=1.0).report is not None
-    assert decide(person(0.2), field=field, time=2.0).report is not None
-    last = 2.0 + SETTINGS.restart_time
-    for time in np.arange(2.1, last + 0.5, 0.1).tolist():
+@pytest.mark.parametrize('restart_time, duration, code', [
+    (0.0, CLEAR_TIME, ProtectiveCause.OBSTRUCTED_UNTIL_RESUME),
+    (2.0, 2.0, ProtectiveCause.OBSTRUCTED)])
+def test_the_way_is_clear_a_while_after_the_last_scan_that_shows_somebody(
+        restart_time: float, duration: float, code: ProtectiveCause) -> None:
+    """From the last one, not from the first; whether that is enough the code says."""
+    settings = dataclasses.replace(SETTINGS, restart_time=restart_time)
+    field = ProtectiveField(settings, RADIUS)
+    assert decide(person(0.2), field=field, time=1.0).report.code is code
+    assert decide(person(0.2), field=field, time=2.0).report.code is code
+    last = 2.0 + duration
+    for time in np.arange(2.1, last + 0.5, SCAN_PERIOD).tolist():
         # It stands; where it went is known still.
         now = field.decide(UnexplainedPoints(time, NOBODY), driving(time, speed=0.0))
         assert (now.report is not None) == (time <= last)
         assert math.isinf(now.speed_limit) == (time > 2.0 + SLOW_TIME)
+
+
+def test_one_scan_alone_slows_and_two_in_a_row_stop() -> None:
+    """Stray beams may be side by side once, hardly twice."""
+    field = ProtectiveField(SETTINGS, RADIUS)
+    for index, points in enumerate([person(0.2), NOBODY, person(0.2), person(0.2)]):
+        time = 1.0 + SCAN_PERIOD * index
+        now = field.decide(UnexplainedPoints(time, points), driving(time))
+        assert now.speed_limit == SETTINGS.slow_speed
+        assert (now.report is not None) == (index == 3)
+        # Between two scans nothing new is seen.
+        again = field.decide(UnexplainedPoints(time, points), driving(time + 0.02))
+        assert (again.report is None) == (now.report is None)
 
 
 def test_scans_that_stop_hold_the_robot_and_none_at_all_protect_nobody():

@@ -7,6 +7,7 @@ from push_control.goal import TaskFailure
 from push_control.task.stand_reasons import (
     LIMITS, MEASUREMENT_TIME_LIMIT, StandCause, StandReasons, STOP_TIME_LIMIT)
 from push_model.events import PushEvent
+from push_safety.protective_field import ProtectiveCause
 from push_safety.status import SafetyReason
 import pytest
 
@@ -14,6 +15,8 @@ STOOD = SafetyReason.BASE_STOOD.report(duration=2.0)
 LATE = SafetyReason.FOLLOWS_LATE.report(delay=0.5)
 STALE = PushEvent.OBJECT_POSE_STALE.report(age=1.0, limit=0.5)
 NO_MAP = TaskEvent.NO_USABLE_MAP.report(map_fault='no map')
+PASSED = ProtectiveCause.OBSTRUCTED_UNTIL_RESUME.report()
+IN_THE_WAY = ProtectiveCause.OBSTRUCTED.report(restart_time=2.0)
 NO_POSE = PushEvent.NO_OBJECT_POSE.report()
 
 
@@ -87,6 +90,27 @@ def test_somebody_who_is_awaited_may_take_their_time():
     reasons.on_stop(LATE, 0.0)
     reasons.resume()
     assert causes(reasons) == [StandCause.SAFETY_STOP]
+
+
+def test_what_was_in_the_way_awaits_a_person_and_a_restart_by_itself_does_not() -> None:
+    """Also once it is gone; a word that comes too early does not count."""
+    reasons = StandReasons()
+    reasons.hold(PASSED)
+    reasons.hold(None)
+    assert causes(reasons) == [StandCause.AWAITS_RESUME]
+    assert reasons.first(1e6).failure is None and reasons.first(1e6).report is PASSED
+    reasons.hold(PASSED)
+    reasons.resume()
+    # It is seen again by the next scan.
+    reasons.hold(PASSED)
+    assert causes(reasons) == [StandCause.AWAITS_RESUME]
+    reasons.hold(None)
+    reasons.resume()
+    assert reasons.first(0.0) is None
+    reasons.hold(IN_THE_WAY)
+    assert causes(reasons) == [StandCause.HOLD]
+    reasons.hold(None)
+    assert reasons.first(0.0) is None
 
 
 def test_what_is_missing_may_take_its_time():
