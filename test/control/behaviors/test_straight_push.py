@@ -56,13 +56,15 @@ class Course(NamedTuple):
 
 
 def act(target, robot_pose, state=TaskState.PUSH, drive='differential', error=HOME,
-        object_pose=HOME, on_step=None, max_time=20.0, goal=None, occupancy_map=None):
+        object_pose=HOME, on_step=None, max_time=20.0, goal=None, occupancy_map=None,
+        intervene=None):
     """
     Let the behaviour of a state act on the plant until it ends.
 
     :param error: ``Pose`` of the true robot where it is believed to be at its origin.
     :param on_step: called with the behaviour and the time since it began.
     :param goal: of the task; None for the end of the target.
+    :param intervene: called likewise, with the simulation.
     """
     robot = ROBOTS[drive]
     goal = goal or Pose(*target.object_poses[-1].tolist())
@@ -87,6 +89,8 @@ def act(target, robot_pose, state=TaskState.PUSH, drive='differential', error=HO
             deviation = perception.localization.position_deviation
         if on_step is not None:
             on_step(behavior, simulation.time - REST)
+        if intervene is not None:
+            intervene(simulation, simulation.time - REST)
         commands.append(behavior.step(perception, simulation.time - time))
         time = simulation.time
         simulation.command(commands[-1])
@@ -149,6 +153,24 @@ def test_a_push_that_would_go_further_than_planned_ends_before_an_obstacle(drive
         fronts.append(max(pose.transform(vertex)[0] for vertex in box().outline))
     assert fronts[0] > wall + 0.05
     assert 0.25 < fronts[1] < wall
+
+
+def test_a_push_ends_before_somebody_has_brought_its_object_to_a_wall() -> None:
+    """By what object and robot do, not by what the plan and its rollouts expect of them."""
+    target, wall = straight_push(box(), MIDDLE, 0.4), 0.45
+    cells = np.zeros((100, 100), dtype=bool)
+    # A wall beside the way.
+    cells[round((wall + 1.0) / 0.02):] = True
+
+    def carry(simulation: Simulation, time: float) -> None:
+        if time > 0.9:
+            pose = simulation.truth.object_pose
+            simulation.plant.set_object_pose(Pose(pose.x + 0.006, pose.y + 0.006, pose.theta))
+    course = act(target, backed_off(MIDDLE), intervene=carry,
+                 occupancy_map=OccupancyMap(0.02, Pose(-1.0, -1.0, 0.0), cells))
+    assert course.behavior.finished
+    pose = course.simulation.truth.object_pose
+    assert max(pose.transform(vertex)[1] for vertex in box().outline) < wall
 
 
 @pytest.mark.parametrize('drive', ROBOTS)
