@@ -59,7 +59,7 @@ class ImperfectDrive:
         self._drive = drive_values(robot)
         self._smoother = (0.0, imperfections.smoother_acceleration,
                           imperfections.smoother_yaw_acceleration)
-        self._mass = imperfections.robot_mass + object_mass
+        self.set_object_mass(object_mass)
         self._time = 0.0
         # Commands under way, with the times from which on they act [s].
         self._pending: deque[tuple[float, Twist]] = deque()
@@ -77,6 +77,14 @@ class ImperfectDrive:
         self._in_play = [imperfections.play] * 3
         self.odometry_pose = pose
         self.odometry_twist = STOP
+
+    def set_object_mass(self, mass: float) -> None:
+        """
+        Let the base push another object.
+
+        :param mass: of it [kg].
+        """
+        self._mass = self._faults.robot_mass + mass
 
     def command(self, twist: Twist) -> None:
         """

@@ -182,6 +182,17 @@ class Plant:
         for i in (*range(layout.X, layout.TANGENTIAL_FORCE + 1), layout.WALL_SLACK):
             self._world.state[i] = state[i]
 
+    def take_over_robot(self, previous: 'Plant') -> None:
+        """
+        Let the robot go on as it moves in another plant; the object stands.
+
+        :param previous: plant of the same robot, which is where it is here.
+        """
+        self._imperfect_drive = previous._imperfect_drive
+        if self._imperfect_drive is not None:
+            self._imperfect_drive.set_object_mass(self.obj.mass)
+        self.set_velocities(STOP, previous.robot_twist)
+
     def set_velocities(self, object_twist: Twist, robot_twist: Twist) -> None:
         """
         Let object and robot move, as if they had done so before.

@@ -1,5 +1,6 @@
 """Plant and sensors in simulated time: one measurement after the other, and commands between."""
 
+import dataclasses
 import enum
 import heapq
 import math
@@ -7,6 +8,7 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 from push_dynamics.actuation import limit_command
+from push_dynamics.walls import Wall
 from push_model.geometry import FloatArray, Pose
 from push_model.odometry_history import OdometryHistory
 from push_model.parameters import PushedObject, RoundRobot
@@ -73,6 +75,11 @@ class _EventQueue:
 
     def pop(self) -> _Event:
         return heapq.heappop(self._heap)
+
+    def drop_poses(self) -> None:
+        """Drop the object poses that are on their way."""
+        self._heap = [event for event in self._heap if event.pose is None]
+        heapq.heapify(self._heap)
 
 
 class _Disturbances:
@@ -165,12 +172,7 @@ class Simulation:
         object_start, robot_start = self._start
         if object_pose is not None:
             object_start = Pose(*object_pose)
-        self.plant = self._plant_type(
-            self.obj, self.robot, object_start, robot_start, settings.step,
-            settings.friction_smoothing, floor=settings.floor_patches, walls=settings.walls,
-            wall_friction=settings.wall_friction, creep=settings.contact_creep,
-            imperfections=settings.drive,
-            interpret=self._interpret)
+        self.plant = self._make_plant(object_start, robot_start)
         # A stream for each error, so that none depends on how often another is drawn.
         pose_noise, losses, biases, twist_noise, odometry_noise, outliers = (
             np.random.default_rng(seed)
@@ -259,6 +261,37 @@ class Simulation:
                 placed = self._odometry_history.place(event.pose)
                 if placed is not None:
                     return placed
+
+    def turn_to(self, obj: PushedObject, object_pose: Pose, walls: tuple[Wall, ...]) -> None:
+        """
+        Let another object be the one that is pushed and measured; time and robot go on.
+
+        Poses of the object of before that are on their way are lost. ``rows`` start over.
+
+        :param obj: the true ``PushedObject``, at rest.
+        :param object_pose: its ``Pose`` in the world.
+        :param walls: what stands then.
+        :raises ValueError: where robot and object overlap.
+        """
+        previous = self.plant
+        self.obj = obj
+        self.settings = dataclasses.replace(self.settings, walls=walls)
+        self.plant = self._make_plant(object_pose, previous.robot_pose)
+        self.plant.take_over_robot(previous)
+        self._apply_friction()
+        self._camera = self._make_camera()
+        self._lidar = self._make_lidar()
+        self._observe_bodies()
+        self._events.drop_poses()
+        self.rows = []
+
+    def _make_plant(self, object_pose: Pose, robot_pose: Pose) -> Plant:
+        settings = self.settings
+        return self._plant_type(
+            self.obj, self.robot, object_pose, robot_pose, settings.step,
+            settings.friction_smoothing, floor=settings.floor_patches, walls=settings.walls,
+            wall_friction=settings.wall_friction, creep=settings.contact_creep,
+            imperfections=settings.drive, interpret=self._interpret)
 
     def _make_camera(self) -> Camera:
         return Camera(self.sensors.camera, self.obj, self.robot.radius)

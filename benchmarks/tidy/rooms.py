@@ -54,10 +54,11 @@ def draw_room(count: int, index: int) -> Room:
             'object': {'file': f'{kind}.yaml'}, 'start': _mapping(start), 'goal': _mapping(goal)}
             for number, (kind, start, goal) in enumerate(zip(kinds, starts, goals))},
         'sensors': {'pose_noise': 0.002, 'pose_heading_noise': 0.005, 'pose_latency': 0.08,
-                    'odometry_scale': 0.02, 'odometry_heading_drift': 0.02},
+                    'odometry_scale': 0.02, 'odometry_heading_drift': 0.02,
+                    'lidar': {'rate': 10.0}},
         'simulation': {'seed': index}, 'time_limit': 300,
         'bounds': {'position_error': 0.02, 'heading_error_deg': 2},
-        'task': {'map': _walls(side)}}), f'{count} objects {index}')
+        'task': {'map': _walls(side), 'place': {'source': 'scan', 'mount': 'stated'}}}), f'{count} objects {index}')
 
 
 def _walls(side: float) -> dict[str, Any]:

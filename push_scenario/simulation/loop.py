@@ -95,15 +95,34 @@ def simulate(scenario: Scenario, law: str | type[SteeringLaw] | None = None, *,
     except PlanningFailed as failure:
         return RunResult(scenario, scenario.control.control_law, Outcome.REFUSED, failure.reason,
                          codes=(failure.code,))
+    return run_robot(simulation, robot, scenario, observation, progress=progress,
+                     intervene=intervene)
+
+
+def run_robot(simulation: Simulation, robot: RobotControl, scenario: Scenario,
+              observation: Observation, *, progress: ProgressCallback | None = None,
+              intervene: Intervention | None = None,
+              localizer: LidarLocalizer | None = None) -> RunResult:
+    """
+    Let a robot go on from now to the end of a scenario, until everything is at rest.
+
+    :param simulation: that it acts in, from its present time on.
+    :param robot: what runs on the robot.
+    :param observation: its first measurements.
+    :param progress: as of ``simulate``.
+    :param intervene: as of ``simulate``.
+    :param localizer: what finds the robot by scans already; None for what the scenario has.
+    """
+    start = simulation.time
     loop = ClosedLoop(simulation, robot, make_safety_layer(scenario), observation, progress,
-                      localizer=make_localizer(scenario),
+                      localizer=localizer or make_localizer(scenario),
                       protective_field=make_protective_field(scenario))
-    ending = loop.run(scenario.time_limit, intervene)
-    duration = simulation.time
-    record = robot.record(ending, duration)
+    ending = loop.run(start + scenario.time_limit, intervene)
+    end = simulation.time
+    record = robot.record(ending, end)
     loop.settle()
     return RunResult(scenario, scenario.control.control_law, ending.outcome, ending.reason,
-                     simulation.tape, duration, codes=ending.codes, **record._asdict())
+                     simulation.tape, end - start, codes=ending.codes, **record._asdict())
 
 
 def _check_own_parts(scenario: Scenario, plan_push: PushPlanner) -> None:
@@ -225,6 +244,7 @@ class ClosedLoop:
         :param time_limit: simulated time after which it is [s].
         :param intervene: called before every measurement; None for nobody.
         """
+        start = self._observation.time
         while self._simulation.time < time_limit:
             ending = self._robot.update_plan(self._observation)
             if ending is not None:
@@ -232,7 +252,7 @@ class ClosedLoop:
             if intervene is not None:
                 intervene(self._simulation, self._robot.supervisor)
             self.advance()
-        return Ending(Outcome.TIME_LIMIT, f'not done after {time_limit:g} s')
+        return Ending(Outcome.TIME_LIMIT, f'not done after {time_limit - start:g} s')
 
     def settle(self) -> None:
         """Go on until everything is at rest."""

@@ -9,6 +9,7 @@ import abc
 import dataclasses
 from typing import Any, NamedTuple
 
+from push_control.perception.object_knowledge import ObjectKnowledge
 from push_control.supervision_settings import SupervisionSettings
 from push_control.task.single_push import SinglePushBehaviors
 from push_control.task.status import StateChange, SupervisorStatus, TaskState
@@ -203,16 +204,19 @@ class TaskControl(RobotControl):
     """A supervisor whose plan requests are answered after a fixed planning time."""
 
     def __init__(self, scenario: Scenario, task: Task, planning_time: float,
-                 plan_push: PushPlanner = plan_for_request) -> None:
+                 plan_push: PushPlanner = plan_for_request, *,
+                 knowledge: ObjectKnowledge | None = None) -> None:
         """
         Set map and goal of the task.
 
         :param task: its ``Task``.
         :param planning_time: simulated time from a plan request to its answer [s].
         :param plan_push: answers plan requests.
+        :param knowledge: what was learned of the object before; None for nothing.
         """
         super().__init__(scenario, Supervisor(
-            scenario.object, scenario.robot, scenario.control, task.drive, task.supervision))
+            scenario.object, scenario.robot, scenario.control, task.drive, task.supervision,
+            knowledge=knowledge))
         self._task = task
         self._plan_push = plan_push
         self._planning_time = planning_time

@@ -1,12 +1,10 @@
-"""Objects that stand while another is pushed: obstacles of the map, and walls of the plant."""
+"""Objects that stand while another is pushed: obstacles of the map, and what touches them."""
 
 import dataclasses
-import math
 from typing import Sequence
 
 import numpy as np
-from push_dynamics.walls import Wall
-from push_model.geometry import FloatArray, Pose, wrap_angle
+from push_model.geometry import FloatArray, Pose
 from push_model.parameters import PushedObject
 from push_navigation.settings import MapSettings
 from push_planner.rearrangement.footprints import distances_to_object, placed_points
@@ -14,8 +12,6 @@ from push_scenario.definition.floor_map import FloorMap, FREE, OCCUPIED, UNKNOWN
 from push_sim_node.tape import Tape
 from push_tidy.obstacles import covered_cells, MapGrid, StandingObject
 
-# Sides of the walls round a disc; chosen: they are within 1 % of its radius.
-DISC_SIDES = 16
 # Gap below which two bodies touch [m]; chosen: the accuracy of the plant at walls.
 TOUCH_GAP = 1e-3
 
@@ -37,28 +33,6 @@ def with_obstacles(floor: FloorMap, reading: MapSettings, standing: Sequence[Sta
     cells[is_object] = ord(UNKNOWN)
     lines = (row.tobytes().decode('ascii') for row in cells[::-1])
     return dataclasses.replace(floor, rows='\n'.join(lines))
-
-
-def outline_walls(standing: StandingObject) -> list[Wall]:
-    """Return walls along the outline of an object."""
-    obj, pose = standing
-    if obj.outline:
-        vertices = np.array(obj.outline)
-    else:
-        angles = np.arange(DISC_SIDES) * (2.0 * math.pi / DISC_SIDES)
-        vertices = obj.radius * np.stack((np.cos(angles), np.sin(angles)), axis=1)
-    points = placed_points(vertices, pose).tolist()
-    return [Wall(*start, *end) for start, end in zip(points, points[1:] + points[:1])]
-
-
-def last_pose(tape: Tape, body: str) -> Pose:
-    """
-    Return the pose at the end of a tape, whose angles are not wrapped, with one that is.
-
-    :param body: ``object`` or ``robot``.
-    """
-    x, y, theta = tape.poses(body)[-1].tolist()
-    return Pose(x, y, wrap_angle(theta))
 
 
 def least_gap(tape: Tape, obj: PushedObject, robot_radius: float,

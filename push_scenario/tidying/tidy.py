@@ -2,7 +2,8 @@
 Bring several objects to their goals in one process.
 
 A ``TidySupervisor`` says which move is next. The other objects are obstacles of the map that robot
-and planner read, and walls of the plant.
+and planner read, and walls of the plant. One simulation makes all moves: odometry drifts on, and
+what was learned of each object is kept.
 """
 
 from collections.abc import Callable
@@ -18,11 +19,14 @@ from push_planner.rearrangement.order import plan_order
 from push_planner.rearrangement.problem import Move, OrderPlan
 from push_scenario.definition.placement import Placement
 from push_scenario.definition.scenario import Scenario, Start
-from push_scenario.simulation.loop import ProgressCallback, simulate
+from push_scenario.simulation.loop import (
+    first_observation, make_localizer, PLANNING_TIME, ProgressCallback, run_robot)
 from push_scenario.simulation.result import Outcome, RunResult
+from push_scenario.simulation.robot_control import TaskControl
+from push_scenario.tidying.robot_memory import RobotMemory
 from push_scenario.tidying.room import Room
-from push_scenario.tidying.standing_objects import (
-    last_pose, least_gap, outline_walls, TOUCH_GAP, with_obstacles)
+from push_scenario.tidying.standing_objects import least_gap, TOUCH_GAP, with_obstacles
+from push_sim_node.room_simulation import PlacedObject, RoomSimulation
 from push_tidy.obstacles import MARGIN_SIGMAS, StandingObject
 from push_tidy.tidy_supervisor import (
     MeasuredScene, ObjectGoal, OrderPlanner, TidySupervisor)
@@ -144,31 +148,44 @@ class _TidyRun:
 
     def __init__(self, room: Room) -> None:
         self._room = room
-        self._rng = np.random.default_rng(room.any_scenario.simulation.seed)
-        self._poses = {name: item.start.object.pose for name, item in room.scenarios.items()}
-        self._robot_pose = room.any_scenario.robot_start
+        scenario = room.any_scenario
+        self._rng = np.random.default_rng(scenario.simulation.seed)
+        self._simulated = RoomSimulation(
+            {name: PlacedObject(item.true_object, item.start.object.pose)
+             for name, item in room.scenarios.items()},
+            scenario.true_robot, scenario.robot_start, scenario.plant_settings, scenario.sensors)
+        self._memory = RobotMemory(room.task.supervision)
+        self._localizer = make_localizer(scenario)
         self._measured = self._measure()
         self._moves: list[MoveResult] = []
 
     @property
     def scene(self) -> MeasuredScene:
-        """Where all were last measured."""
+        """Where all were last measured, and where the robot takes itself to be."""
         room = self._room
-        return MeasuredScene(self._measured, self._robot_pose,
+        robot_pose = self._memory.robot_pose or room.any_scenario.robot_start
+        return MeasuredScene(self._measured, robot_pose,
                              room.floor_map.read(room.task.map_reading))
 
     def make(self, move: Move, progress: ProgressCallback | None) -> MoveResult:
         """Make a move, and measure where all are then."""
-        scenario = self._scenario_of(move)
-        run = simulate(scenario, progress=progress)
-        touched: tuple[str, ...] = ()
-        if run.tape is not None:
-            touched = tuple(
-                name for name, pose in self._poses.items() if name != move.name and least_gap(
-                    run.tape, scenario.true_object, scenario.robot.radius,
-                    StandingObject(self._room.scenarios[name].true_object, pose)) < TOUCH_GAP)
-            self._poses[move.name] = last_pose(run.tape, 'object')
-            self._robot_pose = last_pose(run.tape, 'robot')
+        before = self._simulated.poses
+        scenario = self._scenario_of(move, before[move.name])
+        self._simulated.turn_to(move.name)
+        simulation = self._simulated.simulation
+        observation = first_observation(simulation)
+        robot = TaskControl(scenario, scenario.task or self._room.task, PLANNING_TIME,
+                            knowledge=self._memory.recall(move.name, simulation.time))
+        self._memory.take_over(robot.supervisor)
+        if self._localizer is not None:
+            self._localizer.set_object(scenario.object)
+        run = run_robot(simulation, robot, scenario, observation, progress=progress,
+                        localizer=self._localizer)
+        self._memory.keep(move.name, robot.supervisor, simulation.time)
+        touched = () if run.tape is None else tuple(
+            name for name, pose in before.items() if name != move.name and least_gap(
+                run.tape, scenario.true_object, scenario.robot.radius,
+                StandingObject(self._room.scenarios[name].true_object, pose)) < TOUCH_GAP)
         result = MoveResult(move, run, touched)
         self._moves.append(result)
         self._measured = self._measure()
@@ -180,8 +197,8 @@ class _TidyRun:
 
         :param failures: why objects are not at their goals, by name.
         """
-        return TidyResult(self._room, tuple(self._moves), dict(self._poses), self._robot_pose,
-                          failures)
+        return TidyResult(self._room, tuple(self._moves), self._simulated.poses,
+                          self._simulated.robot_pose, failures)
 
     def _measure(self) -> dict[str, Pose]:
         """Measure all objects at rest."""
@@ -190,27 +207,21 @@ class _TidyRun:
         deviations = scale * np.array([sensors.pose_noise, sensors.pose_noise,
                                        sensors.pose_heading_noise])
         return {name: Pose(*(np.array(pose) + deviations * self._rng.standard_normal(3)).tolist())
-                for name, pose in self._poses.items()}
+                for name, pose in self._simulated.poses.items()}
 
-    def _scenario_of(self, move: Move) -> Scenario:
-        """Make the scenario of one move: the others are obstacles, and walls of the plant."""
+    def _scenario_of(self, move: Move, object_pose: Pose) -> Scenario:
+        """Make the scenario of one move: the others are obstacles of its map."""
         room = self._room
         scenario = room.scenarios[move.name]
-        others = [name for name in self._poses if name != move.name]
-        margin = MARGIN_SIGMAS * scenario.sensors.pose_noise
         floor = with_obstacles(
             room.floor_map, room.task.map_reading,
-            [StandingObject(room.scenarios[name].object, self._measured[name])
-             for name in others], margin)
+            [StandingObject(item.object, self._measured[name])
+             for name, item in room.scenarios.items() if name != move.name],
+            MARGIN_SIGMAS * scenario.sensors.pose_noise)
         reading = dataclasses.replace(room.task.map_reading, allow_unknown=False)
-        walls = [wall for name in others for wall in outline_walls(
-            StandingObject(room.scenarios[name].true_object, self._poses[name]))]
-        simulation = dataclasses.replace(
-            scenario.simulation, walls=(*scenario.simulation.walls, *walls),
-            seed=scenario.simulation.seed + len(self._moves))
         return dataclasses.replace(
-            scenario, name=f'{room.name}, {move.name}', simulation=simulation,
+            scenario, name=f'{room.name}, {move.name}',
             task=dataclasses.replace(room.task, map=floor, map_reading=reading),
-            start=Start(object=Placement(*self._poses[move.name]),
-                        robot=Placement(*self._robot_pose)),
+            start=Start(object=Placement(*object_pose),
+                        robot=Placement(*self._simulated.robot_pose)),
             goal=Placement(*move.end))

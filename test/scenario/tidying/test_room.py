@@ -8,13 +8,12 @@ from helpers.objects import bin_, box
 import numpy as np
 from push_model.events import ObjectFailure
 from push_model.files.strict_yaml import ParameterFileError
-from push_model.geometry import distance, Pose
+from push_model.geometry import Pose
 from push_navigation.settings import MapSettings
 from push_scenario.definition.floor_map import FloorMap
 from push_scenario.tidying import cli
 from push_scenario.tidying.room import Room, room_from_text
-from push_scenario.tidying.standing_objects import (
-    last_pose, least_gap, outline_walls, with_obstacles)
+from push_scenario.tidying.standing_objects import least_gap, with_obstacles
 from push_scenario.tidying.tidy import tidy
 from push_sim_node.tape import Tape
 from push_tidy.obstacles import StandingObject
@@ -72,17 +71,6 @@ def test_standing_objects_are_obstacles_but_no_walls_of_the_map() -> None:
     assert 0.16 + math.pi * 0.04 < area < 0.25 + math.pi * 0.225 ** 2 + 0.05
 
 
-@pytest.mark.parametrize('standing', BODIES)
-def test_walls_are_on_the_outline(standing: StandingObject) -> None:
-    """They close a ring whose points are at the distance of the outline."""
-    walls = outline_walls(standing)
-    assert all((wall.end_x, wall.end_y) == pytest.approx((following.start_x, following.start_y))
-               for wall, following in zip(walls, walls[1:] + walls[:1]))
-    radius = standing.obj.radius or 0.2 * math.sqrt(2.0)
-    assert all(distance((wall.start_x, wall.start_y), standing.pose) == pytest.approx(radius)
-               for wall in walls)
-
-
 def tape_of(robot: Pose, moving: Pose) -> Tape:
     """Return a tape of one row."""
     columns = [f'{body}_{name}' for body in ('object', 'robot') for name in ('x', 'y', 'theta')]
@@ -99,13 +87,6 @@ def test_gaps_are_those_of_the_nearest_bodies() -> None:
     assert least_gap(tape_of(far, beside), box(), 0.17, turned) == pytest.approx(0.1)
     assert least_gap(tape_of(Pose(0.4, 0.0, 0.0), far), box(), 0.17,
                      standing) == pytest.approx(0.03)
-
-
-def test_a_robot_that_has_turned_round_and_round_starts_anew() -> None:
-    """Headings of a tape are not wrapped, those of a start are."""
-    tape = tape_of(Pose(1.0, 2.0, 9.0), Pose(0.0, 0.0, -8.0))
-    assert last_pose(tape, 'robot') == pytest.approx((1.0, 2.0, 9.0 - 2.0 * math.pi))
-    assert last_pose(tape, 'object').theta == pytest.approx(2.0 * math.pi - 8.0)
 
 
 @pytest.mark.slow

@@ -1,0 +1,170 @@
+"""
+Several objects in one simulation: one of them can be pushed, the others stand as walls.
+
+Time, robot and odometry go on as another one comes to be pushed. Which one that is the caller
+states, or it is the one that the robot is nearest to: then the robot moves whatever it bumps into.
+What the pushed object bumps into stops it.
+"""
+
+from collections.abc import Mapping
+import dataclasses
+import functools
+import math
+from typing import NamedTuple
+
+import numpy as np
+from push_dynamics.walls import Wall
+from push_model.contact import find_contact
+from push_model.geometry import Pose, wrap_angle
+from push_model.parameters import PushedObject, RoundRobot
+from push_model.signals import ObjectPose
+from push_sim_node.plant import Plant
+from push_sim_node.sensors import SensorSettings
+from push_sim_node.settings import SimulationSettings
+from push_sim_node.simulation import Simulation
+
+# Sides of the walls round a disc; chosen: they are within 1 % of its radius.
+DISC_SIDES = 16
+# Gap between robot and the object that can move above which another one may be that [m]; chosen:
+# nothing touches within one measurement.
+FREE_GAP = 0.02
+# Speed below which an object is at rest [m/s], and yaw rate [rad/s]; chosen as in the closed loop.
+REST_SPEED, REST_YAW_RATE = 1e-4, 1e-3
+# Number of the random stream of poses of objects that stand, beside those of a spawned seed.
+STANDING_STREAM = 2
+
+
+class PlacedObject(NamedTuple):
+    """
+    An object and where it is.
+
+    :param obj: the true ``PushedObject``.
+    :param pose: its ``Pose`` in the world.
+    """
+
+    obj: PushedObject
+    pose: Pose
+
+    @property
+    def walls(self) -> list[Wall]:
+        """The ``Wall`` along each side of its outline."""
+        outline = self.obj.outline
+        if not outline:
+            angles = np.arange(DISC_SIDES) * (2.0 * math.pi / DISC_SIDES)
+            outline = tuple((self.obj.radius * math.cos(angle), self.obj.radius * math.sin(angle))
+                            for angle in angles.tolist())
+        points = [self.pose.transform(corner) for corner in outline]
+        return [Wall(*start, *end) for start, end in zip(points, points[1:] + points[:1])]
+
+
+class RoomSimulation:
+    """
+    Several objects, of which one can be pushed.
+
+    ``simulation``: the ``Simulation``, whose object is that one. ``pushed``: its name.
+
+    :param objects: ``PlacedObject`` of each, by name; the first can be pushed at first.
+    :param robot: the true ``RoundRobot``.
+    :param robot_pose: its ``Pose`` at time 0.
+    :param settings: ``SimulationSettings``.
+    :param sensors: ``SensorSettings``.
+    :param interpret: as of ``Simulation``.
+    :param plant_type: as of ``Simulation``.
+    """
+
+    def __init__(self, objects: Mapping[str, PlacedObject], robot: RoundRobot, robot_pose: Pose,
+                 settings: SimulationSettings = SimulationSettings(),
+                 sensors: SensorSettings = SensorSettings(), *,
+                 interpret: bool = False, plant_type: type[Plant] = Plant) -> None:
+        self._starts = dict(objects)
+        self._settings = settings
+        self._make_simulation = functools.partial(
+            Simulation, robot=robot, robot_pose=robot_pose, sensors=sensors, interpret=interpret,
+            plant_type=plant_type)
+        self.reset()
+
+    def reset(self) -> None:
+        """Restart at time 0, with the same random errors, in another ``simulation``."""
+        self._objects = dict(self._starts)
+        self._noise = np.random.default_rng((self._settings.seed, STANDING_STREAM))
+        self.pushed = next(iter(self._objects))
+        obj, pose = self._objects[self.pushed]
+        self.simulation = self._make_simulation(
+            obj, object_pose=pose, settings=dataclasses.replace(
+                self._settings, walls=self._walls_beside(self.pushed)))
+
+    @property
+    def poses(self) -> dict[str, Pose]:
+        """True ``Pose`` of each object by name, with a wrapped angle."""
+        self._note_pose()
+        return {name: item.pose for name, item in self._objects.items()}
+
+    @property
+    def robot_pose(self) -> Pose:
+        """True ``Pose`` of the robot, with a wrapped angle."""
+        return _wrapped(self.simulation.plant.robot_pose)
+
+    def turn_to(self, name: str) -> None:
+        """
+        Let another object be the one that can be pushed; the one of before stands.
+
+        :param name: of the object.
+        """
+        self._note_pose()
+        self.pushed = name
+        self.simulation.turn_to(*self._objects[name], self._walls_beside(name))
+
+    def turn_to_nearest(self) -> bool:
+        """
+        Let the object be pushed that the robot is nearest to; tell whether it is another one.
+
+        Until the one of before is at rest, and the robot off it, it stays that.
+        """
+        twist = self.simulation.plant.object_twist
+        is_at_rest = (math.hypot(twist.v_x, twist.v_y) < REST_SPEED
+                      and abs(twist.omega) < REST_YAW_RATE)
+        if not is_at_rest or self._gap(self.pushed) < FREE_GAP:
+            return False
+        nearest = min(self._objects, key=self._gap)
+        if nearest == self.pushed:
+            return False
+        self.turn_to(nearest)
+        return True
+
+    def measure_standing(self, time: float) -> dict[str, ObjectPose]:
+        """
+        Measure the objects that are not pushed, by name; without losses.
+
+        :param time: stamp of the measurement [s].
+        """
+        sensors = self.simulation.sensors
+        measured: dict[str, ObjectPose] = {}
+        for name, item in self._objects.items():
+            if name != self.pushed:
+                e_x, e_y, e_theta = self._noise.standard_normal(3).tolist()
+                measured[name] = ObjectPose(time, Pose(
+                    item.pose.x + sensors.pose_noise * e_x, item.pose.y + sensors.pose_noise * e_y,
+                    wrap_angle(item.pose.theta + sensors.pose_heading_noise * e_theta)))
+        return measured
+
+    def _note_pose(self) -> None:
+        """Take note of where the pushed object is."""
+        item = self._objects[self.pushed]
+        pose = _wrapped(self.simulation.plant.object_pose)
+        self._objects[self.pushed] = item._replace(pose=pose)
+
+    def _walls_beside(self, name: str) -> tuple[Wall, ...]:
+        """List the walls of the room, and those round all objects but one."""
+        others = [item for other, item in self._objects.items() if other != name]
+        return (*self._settings.walls, *(wall for item in others for wall in item.walls))
+
+    def _gap(self, name: str) -> float:
+        """Measure the gap between the robot and an object [m]."""
+        plant, item = self.simulation.plant, self._objects[name]
+        pose = plant.object_pose if name == self.pushed else item.pose
+        return find_contact(item.obj, pose, plant.robot_pose[:2],
+                            self.simulation.robot.radius).gap
+
+
+def _wrapped(pose: Pose) -> Pose:
+    return Pose(pose.x, pose.y, wrap_angle(pose.theta))
