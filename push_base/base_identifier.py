@@ -24,12 +24,14 @@ recording is fitted in ``calibration.drive_fit``, with lag, scales and accelerat
 """
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Iterator
+import itertools
 import math
 import statistics
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from push_base.acceleration_search import AccelerationSearch, AS_STATED, SLOW_RATIOS
 from push_base.command_shaper import MARGINS, pulse_heights
 from push_base.gain_search import GainChange, GainSearch, GainWindow, SHIFTS
@@ -204,7 +206,7 @@ class BaseIdentifier:
         self._start: float | None = None
         # Commands and responses of the models on the grid, and measurements.
         length = round((HISTORY + MAX_SHIFT) / STEP)
-        self._responses = [VelocityHistory(length) for _ in ACCELERATION_RATIOS]
+        self._responses = VelocityHistory(length, len(ACCELERATION_RATIOS))
         self._commands = VelocityHistory(length)
         self._count = 0
         self._measured: deque[tuple[float, ...]] = deque()
@@ -276,18 +278,21 @@ class BaseIdentifier:
         if abs(time - self._start - self._count * STEP) > MAX_GAP + STEP:
             self.forget()
             return
-        commands = np.tile(self._command, (len(self._drives), 1))
-        while self._start + (self._count + 1) * STEP <= time + TIME_ROUNDING:
+        end = time + TIME_ROUNDING
+        if self._start + (self._count + 1) * STEP > end:
+            return
+        commands: FloatArray = np.empty_like(self._velocities)
+        commands[:] = self._command
+        while self._start + (self._count + 1) * STEP <= end:
             self._commands.append(self._command)
             track_commands(self._velocities, commands, self._drives, STEP)
-            for velocity, history in zip(self._velocities, self._responses):
-                history.append(velocity)
+            self._responses.append(self._velocities)
             self._count += 1
 
-    def _looked_up(self, history: VelocityHistory, times: FloatArray) -> FloatArray:
-        """Look velocities of the grid up."""
+    def _places(self, times: FloatArray) -> NDArray[np.int_]:
+        """Tell where in the histories the velocities at some times are."""
         after_start = np.rint((times - (self._start or 0.0)) / STEP).astype(int)
-        return history.at(after_start - 1 - (self._count - len(history)))
+        return after_start - 1 - (self._count - len(self._commands))
 
     def _find_dead_time(self, samples: FloatArray) -> None:
         velocities = samples[:, 1:] @ self._channels.T
@@ -295,15 +300,14 @@ class BaseIdentifier:
         if variance < MIN_VARIATION ** 2:
             return
         shifts = np.arange(0.0, MAX_SHIFT + 0.5 * SHIFT_STEP, SHIFT_STEP)
-        times = samples[:, 0] - shifts[:, None]
-        responses = self._candidates(times)
+        places = self._places(samples[:, 0] - shifts[:, None])
         errors_by_model = [
             ((velocities - response @ self._channels.T) ** 2).sum(axis=2).mean(axis=1)
-            for response in responses]
+            for response in self._candidates(places)]
         errors = min(errors_by_model, key=np.min)
         best = int(errors.argmin())
         is_explained = errors[best] <= MIN_UNEXPLAINED * variance
-        if not (is_explained and self._is_as_stated) and self._find_accelerations(samples, times):
+        if not (is_explained and self._is_as_stated) and self._find_accelerations(samples, places):
             return
         if errors[best] > MAX_UNEXPLAINED * variance:
             return
@@ -320,28 +324,27 @@ class BaseIdentifier:
     def _is_as_stated(self) -> bool:
         return all(search.model == AS_STATED for search in self._accelerations)
 
-    def _candidates(self, times: FloatArray) -> list[FloatArray]:
+    def _candidates(self, places: NDArray[np.int_]) -> list[FloatArray]:
         """Look up the responses of the models that the base may have; the quicker one is last."""
         translation, rotation = (search.model for search in self._accelerations)
         if translation == rotation == AS_STATED:
-            return [self._looked_up(history, times)
-                    for history in self._responses[:STATED_COUNT]]
-        response = self._looked_up(self._responses[_row(translation)], times)
-        response[..., 2] = self._looked_up(self._responses[_row(rotation)], times)[..., 2]
+            return [self._responses.at(places, row) for row in range(STATED_COUNT)]
+        response = self._responses.at(places, _row(translation))
+        response[..., 2] = self._responses.at(places, _row(rotation))[..., 2]
         return [response]
 
-    def _find_accelerations(self, samples: FloatArray, times: FloatArray) -> bool:
+    def _find_accelerations(self, samples: FloatArray, places: NDArray[np.int_]) -> bool:
         """
         Find out whether the base accelerates otherwise than is believed.
 
         :param samples: of odometry, shape (n, 4).
-        :param times: of the responses by shift and sample, shape (d, n) [s].
+        :param places: of the responses in the histories, by shift and sample, shape (d, n).
         :return: whether that explains its motion far better.
         """
         measured = samples[:, 1:] * (1.0, 1.0, self._half_track)
         squares = np.stack([
-            (measured - self._looked_up(history, times) * (1.0, 1.0, self._half_track)) ** 2
-            for history in self._responses])
+            (measured - self._responses.at(places, row) * (1.0, 1.0, self._half_track)) ** 2
+            for row in range(len(ACCELERATION_RATIOS))])
         is_better = False
         for search, channels in zip(self._accelerations, (slice(0, 2), slice(2, 3))):
             errors = squares[..., channels].sum(axis=3).mean(axis=2).min(axis=1)
@@ -370,15 +373,17 @@ class BaseIdentifier:
         is_known = self.has_dead_time or self._driving_time > GAIN_DELAY
         if not (is_known and self._is_as_stated):
             return
-        samples = np.array([sample for sample in self._measured
-                            if sample[0] >= time - GAIN_WINDOW - TIME_ROUNDING])
+        start = time - GAIN_WINDOW - TIME_ROUNDING
+        newest_first = itertools.takewhile(lambda sample: sample[0] >= start,
+                                           reversed(self._measured))
+        samples = np.array([*newest_first])[::-1]
         if len(samples) <= ENOUGH_RESULTS:
             return
         times = samples[:, 0]
         between = (0.5 * (times[1:] + times[:-1]) - self.knowledge.dead_time
                    - np.array(SHIFTS)[:, None])
         change = self._gains.add(GainWindow(times, samples[:, 1:],
-                                            self._looked_up(self._commands, between)))
+                                            self._commands.at(self._places(between))))
         if change is not None:
             self._change_gains(change, time)
 
@@ -396,20 +401,20 @@ class BaseIdentifier:
         matrix = gain_matrix(self._robot, first / known.first_gain, second / known.second_gain)
         self._command = Twist(*(matrix @ self._command).tolist())
         self._velocities = self._velocities @ matrix.T
-        for history in (self._commands, *self._responses):
+        for history in (self._commands, self._responses):
             history.transform(matrix)
         self._gains_due = time + GAIN_WINDOW
 
     def _find_least_speeds(self, samples: FloatArray, time: float) -> None:
         """Find out which wheels or axes do not turn although they should."""
-        shifted = samples[:, 0] - self.knowledge.dead_time
+        places = self._places(samples[:, 0] - self.knowledge.dead_time)
         measured = samples[:, 1:] @ self._channels.T
-        commands = self._looked_up(self._commands, shifted) @ self._channels.T
-        models = [response @ self._channels.T for response in self._candidates(shifted)]
+        commands = self._commands.at(places) @ self._channels.T
+        models = [response @ self._channels.T for response in self._candidates(places)]
 
-        def windows(channels: slice, unit: float = 1.0) -> list[_Window]:
-            return [_Window.of(expected[:, channels] / unit, measured[:, channels] / unit,
-                               commands[:, channels] / unit) for expected in models]
+        def windows(channels: slice, unit: float = 1.0) -> Iterator[_Window]:
+            return (_Window.of(expected[:, channels] / unit, measured[:, channels] / unit,
+                               commands[:, channels] / unit) for expected in reversed(models))
 
         if self._is_differential:
             # A wheel that only the contact holds, as one about which the robot turns, tells
@@ -423,15 +428,15 @@ class BaseIdentifier:
         self._evaluate(0, windows(slice(0, 2)), time)
         self._evaluate(1, windows(slice(2, 3), self._half_track), time)
 
-    def _evaluate(self, axis: int, windows: Sequence['_Window'], time: float) -> None:
+    def _evaluate(self, axis: int, windows: Iterator['_Window'], time: float) -> None:
         """
         Evaluate one wheel or axis.
 
         :param axis: 0 for wheels and translation, 1 for rotation.
-        :param windows: what it did beside what each model expects.
+        :param windows: what it did beside what each model expects, the quicker one first.
         :param time: now [s].
         """
-        window = windows[QUICKER]
+        window = next(windows)
         least, top = self.knowledge[1 + axis], window.top
         smallest, cap = ((MIN_DISTANCE, MAX_LEAST_SPEED),
                          (MIN_ANGLE, MAX_LEAST_YAW_RATE))[axis]
@@ -441,7 +446,7 @@ class BaseIdentifier:
         pulse_height = pulse_heights(self._robot, self.knowledge)[axis]
         # Long pulses are lower than by that ratio.
         is_pulsed = 0.0 < ROUNDING * min(PULSE_RATIO * least, pulse_height) <= top
-        is_stuck = all(each.is_stuck for each in windows)
+        is_stuck = window.is_stuck and all(each.is_stuck for each in windows)
         if is_stuck and not is_pulsed and top <= cap:
             self._measured_min_speeds[axis] = max(self._measured_min_speeds[axis], top)
             self._set(axis, max(least, top))

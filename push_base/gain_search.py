@@ -128,7 +128,8 @@ class GainSearch:
         if present <= MIN_IMPROVEMENT ** 2:
             self._results.clear()
             return None
-        errors = self._errors(window, self._matrices)
+        by_model = np.einsum('mij,snj->nsmi', self._matrices, window.commands)
+        errors = self._errors(window, by_model)
         for family, may_differ in enumerate((True, *is_fast)):
             if not may_differ:
                 errors[family * MODELS:(family + 1) * MODELS] = math.inf
@@ -153,16 +154,16 @@ class GainSearch:
 
     def _present_error(self, window: GainWindow) -> float:
         """Compute e of the gains that are believed."""
-        return float(self._errors(window, np.eye(3)[None])[0])
+        by_model = window.commands.transpose(1, 0, 2)[:, :, None]
+        return float(self._errors(window, by_model)[0])
 
-    def _errors(self, window: GainWindow, matrices: FloatArray) -> FloatArray:
-        """Compute e of some models, by their matrices of shape (m, 3, 3)."""
-        # By sample, shift and model.
-        commands = np.einsum('mij,snj->nsmi', matrices, window.commands)
-        steps, *shape, _ = commands.shape
-        commands = commands.reshape(steps, -1, 3)
-        velocities = np.tile(window.measured[0], (commands.shape[1], 1))
-        missing = np.empty_like(commands)
+    def _errors(self, window: GainWindow, by_model: FloatArray) -> FloatArray:
+        """Compute e of some models, by their commands of shape (n - 1, s, m, 3)."""
+        steps, *shape, _ = by_model.shape
+        commands = by_model.reshape(steps, -1, 3)
+        missing: FloatArray = np.empty(commands.shape)
+        velocities: FloatArray = np.empty(commands.shape[1:])
+        velocities[:] = window.measured[0]
         for k, duration in enumerate(np.diff(window.times).tolist()):
             track_commands(velocities, commands[k], self._drive, duration)
             missing[k] = velocities - window.measured[k + 1]
