@@ -19,9 +19,12 @@ from push_model.base_knowledge import BaseKnowledge
 from push_model.friction import friction_center
 from push_model.geometry import Coordinates, FloatArray, Pose
 from push_model.parameters import PushedObject, RoundRobot
+from push_model.plan_request import PlanFailure
 from push_model.trajectory import PushTrajectory
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.path import Path
+from push_planner.planned_pushes import PlannedPush
+from push_planner.refusal_marks import RefusalMarks
 from push_planner.task_plan import TaskPlan
 from push_scenario.definition.floor_map import FREE, OCCUPIED
 from push_scenario.definition.scenario import GoalBounds, Scenario
@@ -210,16 +213,48 @@ def push_message(time: float, trajectory: PushTrajectory) -> Message:
             'approach': [], 'later': []}
 
 
-def plan_message(time: float, plan: TaskPlan) -> Message:
+def plan_message(time: float, plan: TaskPlan, pushes: Sequence[PlannedPush]) -> Message:
     """
     Show the plan of a task: its first push, the path to it, and about what follows.
 
     :param time: from which on it holds [s].
+    :param pushes: ``PlannedPush`` of all its pushes.
     """
-    later = () if plan.remaining is None else plan.remaining.pushes
     return {**push_message(time, plan.trajectory),
             'approach': path_points(plan.approach_path),
-            'later': [rounded(push.end) for push in later]}
+            'later': [later_push(push.end, push.robot_start, push.approach)
+                      for push in pushes[1:]]}
+
+
+def later_push(end: Pose, robot_start: Pose | None = None, approach: Path | None = None
+               ) -> Message:
+    """
+    Describe a push of a plan behind the first.
+
+    :param end: ``Pose`` of the object after it.
+    :param robot_start: ``Pose`` of the robot where it touches; None where that is unknown.
+    :param approach: ``Path`` of the robot to there; None where that is unknown.
+    """
+    return {'pose': rounded(end), 'robot': None if robot_start is None else rounded(robot_start),
+            'approach': [] if approach is None else path_points(approach)}
+
+
+def refusal_message(time: float, code: PlanFailure, text: str, marks: RefusalMarks) -> Message:
+    """
+    Show why there is no plan.
+
+    :param time: from which on [s].
+    :param text: why, one sentence.
+    """
+    place = marks.narrow_place
+    return {'type': 'refusal', 'time': _rounded_number(time), 'code': code.name, 'text': text,
+            'place': None if place is None else {
+                'point': rounded(place[:2]), 'width': place.width, 'needed': place.needed_width,
+                'ellipse': None if place.ellipse is None else rounded(place.ellipse)},
+            'faces': [{'point': rounded(face[:2]), 'has_room': face.has_room}
+                      for face in marks.faces],
+            'overlap': None if marks.overlap is None else rounded(marks.overlap),
+            'nearest': None if marks.nearest is None else rounded(marks.nearest)}
 
 
 def path_points(path: Path) -> list[list[float | None]]:

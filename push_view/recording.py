@@ -5,6 +5,7 @@ import dataclasses
 
 from push_control.task.status import TaskState
 from push_model.geometry import Pose
+from push_planner.planned_pushes import planned_pushes
 from push_scenario.evaluation.metrics import bounds_missed, verdict
 from push_scenario.evaluation.report import report_notes
 from push_scenario.simulation.result import RunResult
@@ -13,7 +14,7 @@ from push_sim_node.tape import Tape
 from push_view.belief import BeliefRecorder
 from push_view.messages import (
     collision_message, displacement_message, goal_message, map_message, Message, plan_message,
-    push_message, rows_message, scenario_message, state_message, truth_message,
+    push_message, refusal_message, rows_message, scenario_message, state_message, truth_message,
 )
 from push_view.wall_contact import WallContactDetector
 
@@ -62,12 +63,19 @@ def _truths(result: RunResult) -> Iterator[Message]:
 
 
 def _plans(result: RunResult) -> Iterator[Message]:
-    """Yield each plan when it was there: then the approach begins."""
+    """Yield each plan when it was there: then the approach begins; and each refusal."""
     if result.plan is not None:
         yield push_message(0.0, result.plan)
     times = [change.time for change in result.history if change.state is TaskState.APPROACH]
+    scenario = result.scenario
+    if scenario.task is None:
+        return
     for time, plan in zip(times, result.task_plans):
-        yield plan_message(time, plan)
+        yield plan_message(time, plan, planned_pushes(
+            plan, scenario.object, scenario.robot, scenario.task.drive,
+            scenario.task.occupancy_map))
+    for time, failure in result.refusals:
+        yield refusal_message(time, failure.code, failure.reason, failure.marks)
 
 
 def _displacements(result: RunResult, tape: Tape) -> Iterator[Message]:

@@ -12,18 +12,20 @@ from push_control.task.status import TaskState
 from push_model.base_knowledge import BaseKnowledge
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
+from push_model.plan_request import PlanFailure
 from push_model.quantity import check, quantity
 from push_navigation.settings import MapSettings
+from push_planner.refusal_marks import RefusalMarks
 from push_ros.conversions.map import from_map_message, map_reader
 from push_ros.conversions.measurements import from_object_pose_message, from_odometry_message
-from push_ros.conversions.plan import from_plan_message
-from push_ros.conversions.primitives import MessageRefused
-from push_ros.diagnostics import OK, status_values, WARN
+from push_ros.conversions.plan import from_plan_message, plan_failure
+from push_ros.conversions.primitives import from_pose_message, MessageRefused, seconds
+from push_ros.diagnostics import ERROR, FAILURE, OK, status_values, WARN
 from push_ros.executor import BAD_PARAMETER, run
 from push_ros.node import PushNode
 from push_ros.node_settings import Frames
 from push_ros.topic_watch import TopicWatch
-from push_ros.topics import CONTROLLER
+from push_ros.topics import CONTROLLER, PLANNER
 from push_ros.transforms.world import Handlers, WorldFrame
 from push_view.live.robot_record import RobotRecorder
 from push_view.messages import controls_message
@@ -67,9 +69,9 @@ class ViewNode(PushNode):
     """
     Serves the page, live from the topics of a robot or of the simulator.
 
-    It shows object and robot as they are measured, the goal, the plan of each push, the map, and
-    the state that the controller reports on ``/diagnostics``. It is read only unless it was
-    started with ``--control``.
+    It shows object and robot as they are measured, the goal, the plan of each push and of those
+    that follow, the map, and the state that the controller reports on ``/diagnostics``; and there
+    why the planner has no plan. It is read only unless it was started with ``--control``.
 
     Publishers
         with ``--control``, ``goal_pose`` (PoseStamped), in ``world_frame``; ``/diagnostics``
@@ -78,9 +80,9 @@ class ViewNode(PushNode):
     Subscribers
         ``odom`` (Odometry) and ``object_pose`` (PoseStamped, or PoseWithCovarianceStamped), best
         effort; ``goal_pose`` (PoseStamped); ``push_plan`` (JointTrajectory, latched);
-        ``map`` (OccupancyGrid, latched); ``contact_wrench`` (WrenchStamped), of the simulator;
-        ``/diagnostics`` (DiagnosticArray); once something comes in another frame, ``/tf`` and
-        ``/tf_static``, where tf2_msgs is installed.
+        ``planned_path`` (Path, latched); ``map`` (OccupancyGrid, latched); ``contact_wrench``
+        (WrenchStamped), of the simulator; ``/diagnostics`` (DiagnosticArray); once something comes
+        in another frame, ``/tf`` and ``/tf_static``, where tf2_msgs is installed.
 
     Clients, with ``--control``
         ``controller/start``, ``controller/stop``, ``controller/pause``, ``controller/resume``
@@ -106,6 +108,7 @@ class ViewNode(PushNode):
         self._world = WorldFrame(self, self._frames.world_frame, options.transform_timeout)
         self._relay = CommandRelay(self, self._log, self._frames.world_frame, options.control)
         self._controller = f'{self.get_namespace()}/{CONTROLLER}'.lstrip('/')
+        self._planner = f'{self.get_namespace()}/{PLANNER}'.lstrip('/')
         self._log.replace(controls_message(('goal',) if options.control else (),
                                            calls=CALLS if options.control else ()))
         self._log.replace({'type': 'run', 'paused': False, 'speed': 1.0, 'achieved': None})
@@ -115,6 +118,7 @@ class ViewNode(PushNode):
         self.subscribe('goal_pose', self._in_world('goal_pose', self._on_goal,
                                                    self._record.move_goal))
         self.subscribe('push_plan', self._shown(self._on_plan))
+        self.subscribe('planned_path', self._shown(self._on_planned_path))
         self.subscribe('map', self._in_world('map', self._on_map, self._record.move_map),
                        read=map_reader(MapSettings()))
         self.subscribe('contact_wrench', self._on_contact_wrench)
@@ -181,15 +185,22 @@ class ViewNode(PushNode):
                                                       'goal_pose').pose)
 
     def _on_plan(self, message: Any) -> None:
-        # One without points says that there is no plan.
-        if message.points:
-            self._record.on_plan(from_plan_message(message, self._frames.world_frame))
+        # Why there is no plan its diagnostics tell better.
+        if plan_failure(message) is None:
+            self._record.on_plan(from_plan_message(message, self._frames.world_frame),
+                                 seconds(message.header.stamp))
+
+    def _on_planned_path(self, message: Any) -> None:
+        poses = [from_pose_message(stamped.pose, 'planned_path') for stamped in message.poses]
+        self._record.on_planned_path(poses, seconds(message.header.stamp))
 
     def _on_map(self, message: Any) -> None:
         self._record.on_map(from_map_message(message, self._frames.world_frame))
 
     def _on_diagnostics(self, message: Any) -> None:
         for status in message.status:
+            if status.name == self._planner:
+                self._on_planner_status(status)
             values = status_values(status) if status.name == self._controller else {}
             if 'state' in values:
                 self._record.on_state(TaskState(values['state']), values.get('reason', ''))
@@ -199,6 +210,16 @@ class ViewNode(PushNode):
             view = View.from_report(values)
             if view is not None:
                 self._record.on_view(view)
+
+    def _on_planner_status(self, status: Any) -> None:
+        """Show why the planner has no plan; nothing is wrong where none is needed."""
+        values = status_values(status)
+        name = values.get(FAILURE, '')
+        if status.level != ERROR or name not in PlanFailure.__members__:
+            self._record.forget_refusal()
+            return
+        self._record.on_refusal(PlanFailure[name], status.message,
+                                RefusalMarks.from_report(values))
 
 
 def base_knowledge(values: Mapping[str, str]) -> BaseKnowledge | None:

@@ -4,6 +4,7 @@ import dataclasses
 import enum
 import math
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +13,22 @@ from push_control.task.status import StateChange, SupervisorStatus, TaskState
 from push_model.events import Codes
 from push_model.geometry import distance, wrap_angle
 from push_model.trajectory import PushTrajectory
+from push_planner.problem import PlanningFailed
 from push_planner.task_plan import TaskPlan
 from push_scenario.definition.scenario import Scenario
 from push_sim_node.tape import Tape
+
+
+class TimedRefusal(NamedTuple):
+    """
+    Refusal of a plan in a task.
+
+    :param time: when [s].
+    :param failure: ``PlanningFailed``.
+    """
+
+    time: float
+    failure: PlanningFailed
 
 
 class Outcome(enum.Enum):
@@ -61,6 +75,8 @@ class RunResult:
     :param plan: ``PushTrajectory`` that a single push followed; None for a task, and where none
         was needed.
     :param task_plans: ``TaskPlan`` of each push of a task, in order; empty over DDS.
+    :param refusals: ``TimedRefusal`` of each request of a task that was refused otherwise than
+        the one before; empty over DDS.
     :param timing: ``WallClockTiming`` of a run over DDS, else None.
     :param bag: folder of the recording, or None.
     :param codes: of the reason, as of ``Report``.
@@ -78,6 +94,7 @@ class RunResult:
     status: SupervisorStatus | None = None
     plan: PushTrajectory | None = None
     task_plans: tuple[TaskPlan, ...] = ()
+    refusals: tuple[TimedRefusal, ...] = ()
     timing: WallClockTiming | None = None
     bag: Path | None = None
     codes: Codes = ()

@@ -22,6 +22,7 @@ from push_model.signals import ObjectPose, Odometry, Twist
 from push_model.trajectory import PushTrajectory
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.settings import DriveSettings
+from push_planner.planned_pushes import planned_pushes, PlannedPush
 from push_planner.problem import check_solver, PlanningFailed
 from push_planner.settings import PlannerSettings
 from push_planner.task_plan import TaskPlan
@@ -30,7 +31,7 @@ from push_safety.status import SafetyReport
 from push_scenario.definition.scenario import Scenario
 from push_scenario.definition.task import Task
 from push_scenario.simulation.history import single_push_history, StateHistory
-from push_scenario.simulation.result import Outcome
+from push_scenario.simulation.result import Outcome, TimedRefusal
 
 ENDINGS = {TaskState.DONE: Outcome.DONE, TaskState.FAILED: Outcome.FAILED}
 
@@ -56,6 +57,7 @@ class RobotRecord(NamedTuple):
     status: SupervisorStatus | None = None
     plan: PushTrajectory | None = None
     task_plans: tuple[TaskPlan, ...] = ()
+    refusals: tuple[TimedRefusal, ...] = ()
 
 
 class RobotControl(abc.ABC):
@@ -227,6 +229,9 @@ class TaskControl(RobotControl):
         self._request: PlanRequest | None = None
         self._answer_due = 0.0
         self._plans: list[TaskPlan] = []
+        self._refusals: list[TimedRefusal] = []
+        # Why the last request was refused; empty where it was not, or asked for something else.
+        self._refused_for = ''
         self._history = StateHistory()
 
     @property
@@ -239,6 +244,17 @@ class TaskControl(RobotControl):
         """``TaskPlan`` of every push so far."""
         return tuple(self._plans)
 
+    @property
+    def refusals(self) -> tuple[TimedRefusal, ...]:
+        """``TimedRefusal`` of each request that was refused otherwise than the one before."""
+        return tuple(self._refusals)
+
+    def pushes_of(self, plan: TaskPlan) -> tuple[PlannedPush, ...]:
+        """List the ``PlannedPush`` of a plan, for pictures, in the present map."""
+        scenario = self._scenario
+        return planned_pushes(plan, scenario.object, scenario.robot, self._task.drive,
+                              self._occupancy_map)
+
     def set_goal(self, pose: Pose) -> None:
         """
         Replace the goal, and start over towards it.
@@ -246,6 +262,7 @@ class TaskControl(RobotControl):
         :param pose: goal ``Pose`` of the object.
         """
         self.goal = pose
+        self._refused_for = ''
         self.supervisor.set_goal(pose)
         self._update_history()
 
@@ -274,10 +291,17 @@ class TaskControl(RobotControl):
         self._update_history()
         return RobotRecord(
             self._history.changes, self._history.recoveries, self.supervisor.status,
-            task_plans=tuple(self._plans))
+            task_plans=tuple(self._plans), refusals=tuple(self._refusals))
 
     def _update_history(self) -> None:
         self._history.update(self.supervisor.history, self.supervisor.recoveries)
+
+    def _note_refusal(self, refusal: TimedRefusal) -> None:
+        """Keep a refusal that differs from the last one; while it waits a task asks again."""
+        reason = refusal.failure.reason
+        if reason != self._refused_for:
+            self._refusals.append(refusal)
+        self._refused_for = reason
 
     def _answer_request(self, time: float) -> None:
         request = self.supervisor.plan_request
@@ -291,11 +315,13 @@ class TaskControl(RobotControl):
                 request, self._scenario.robot, self._scenario.planner, self._task.drive,
                 self._occupancy_map, remaining=self._plans[-1].remaining if self._plans else None)
         except PlanningFailed as failure:
+            self._note_refusal(TimedRefusal(time, failure))
             self.supervisor.on_planning_failed(failure.code, failure.reason)
             return
         if not isinstance(plan, TaskPlan):
             raise ValueError(f'plan_push: got {plan!r}, expected a TaskPlan, or PlanningFailed to '
                              'be raised')
+        self._refused_for = ''
         self._plans.append(plan)
         self.supervisor.set_plan(plan.trajectory)
 

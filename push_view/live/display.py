@@ -5,7 +5,8 @@ from push_safety.layer import SafetyLayer
 from push_scenario.simulation.robot_control import TaskControl
 from push_sim_node.simulation import Simulation
 from push_view.belief import BeliefSampler
-from push_view.messages import base_message, plan_message, rows_message, state_message
+from push_view.messages import (
+    base_message, plan_message, refusal_message, rows_message, state_message)
 from push_view.server.message_log import MessageLog
 
 
@@ -13,7 +14,8 @@ class RunDisplay:
     """
     Sends the page what is new of a run.
 
-    That is rows of the tape, changes of state, plans, and what is learned of the base.
+    That is rows of the tape, changes of state, plans and refusals of plans, and what is learned of
+    the base.
 
     ``time``: of the last row [s], at which the page shows what is changed now.
 
@@ -35,7 +37,7 @@ class RunDisplay:
         self._belief = BeliefSampler(support_count)
         self._rows: list[tuple[float, ...]] = []
         self._row_count = 0
-        self._shown = (0, 0)
+        self._shown = (0, 0, 0)
 
     def take_rows(self) -> None:
         """Move new rows of the tape, with what is believed at them, and show events."""
@@ -46,13 +48,16 @@ class RunDisplay:
             self.time = row[0]
         # A session may last for hours.
         self._simulation.rows.clear()
-        states, plans = self._shown
+        states, plans, refusals = self._shown
         history, known_plans = self._robot.history, self._robot.plans
         for change in history[states:]:
             self._log.add(state_message(change))
         for plan in known_plans[plans:]:
-            self._log.add(plan_message(self._simulation.time, plan))
-        self._shown = len(history), len(known_plans)
+            self._log.add(plan_message(self._simulation.time, plan, self._robot.pushes_of(plan)))
+        known_refusals = self._robot.refusals
+        for time, failure in known_refusals[refusals:]:
+            self._log.add(refusal_message(time, failure.code, failure.reason, failure.marks))
+        self._shown = len(history), len(known_plans), len(known_refusals)
         if self._safety.base_knowledge != self._base:
             self._base = self._safety.base_knowledge
             self._log.add(base_message(self._simulation.time, self._base))

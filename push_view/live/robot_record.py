@@ -1,5 +1,6 @@
 """What is measured and reported of a robot, as messages of the page."""
 
+from collections.abc import Sequence
 import math
 
 from push_control.perception.view import UNSEEN_TIME, View
@@ -7,13 +8,15 @@ from push_control.task.status import StateChange, TaskState
 from push_model.base_knowledge import BaseKnowledge
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
+from push_model.plan_request import PlanFailure
 from push_model.signals import ObjectPose, Odometry
 from push_model.trajectory import PushTrajectory
 from push_navigation.occupancy_map import OccupancyMap
+from push_planner.refusal_marks import RefusalMarks
 from push_view.live.measured_contact import MeasuredContact
 from push_view.messages import (
-    base_message, goal_message, map_message, push_message, rows_message, scene_message,
-    state_message, view_message,
+    base_message, goal_message, later_push, map_message, push_message, refusal_message,
+    rows_message, scene_message, state_message, view_message,
 )
 from push_view.server.message_log import MessageLog
 
@@ -50,6 +53,9 @@ class RobotRecorder:
         self._view: View | None = None
         self._goal: Pose | None = None
         self._map: OccupancyMap | None = None
+        # The newest plan and path, each with the stamp of its request [s].
+        self._plan: tuple[float, PushTrajectory] | None = None
+        self._planned_path: tuple[float, tuple[Pose, ...]] = -math.inf, ()
         self._start_time: float | None = None
         self._time = -math.inf
         self._start()
@@ -116,9 +122,48 @@ class RobotRecorder:
         self._goal = pose
         self._log.add(goal_message(self.time, pose))
 
-    def on_plan(self, trajectory: PushTrajectory) -> None:
-        """Show a plan."""
-        self._log.add(push_message(self.time, trajectory))
+    def on_plan(self, trajectory: PushTrajectory, stamp: float) -> None:
+        """
+        Show a plan.
+
+        :param stamp: of its request, which its path has too [s].
+        """
+        self._plan = stamp, trajectory
+        self._show_plan()
+
+    def on_planned_path(self, poses: Sequence[Pose], stamp: float) -> None:
+        """
+        Show where the object comes to stand after later pushes.
+
+        :param poses: of the object, along the push of the plan and after each later one.
+        :param stamp: of the request [s].
+        """
+        self._planned_path = stamp, tuple(poses)
+        if self._plan is not None and self._plan[0] == stamp:
+            self._show_plan()
+
+    def _show_plan(self) -> None:
+        """Show the plan, with its later pushes where they are known already."""
+        if self._plan is None:
+            return
+        (stamp, trajectory), (path_stamp, poses) = self._plan, self._planned_path
+        later = poses[len(trajectory.times):] if path_stamp == stamp else ()
+        self._log.add({**push_message(self.time, trajectory),
+                       'later': [later_push(pose) for pose in later]})
+
+    def on_refusal(self, code: PlanFailure, text: str, marks: RefusalMarks) -> None:
+        """
+        Show why there is no plan, unless it is shown.
+
+        :param text: why, one sentence.
+        """
+        if (code, text) != self._refusal:
+            self._refusal = code, text
+            self._log.add(refusal_message(self.time, code, text, marks))
+
+    def forget_refusal(self) -> None:
+        """Take note that the planner has found a plan, or waits for a request."""
+        self._refusal = None
 
     def on_map(self, occupancy_map: OccupancyMap) -> None:
         """Show a map."""
@@ -156,6 +201,7 @@ class RobotRecorder:
         self._time = -math.inf
         self._base: BaseKnowledge | None = None
         self._state: tuple[TaskState, str] | None = None
+        self._refusal: tuple[PlanFailure, str] | None = None
         self._log.clear()
         self._log.add(self._scene)
         if self._view is not None:

@@ -27,7 +27,7 @@ class Floor extends Pen {
     const goal = recording.latest('goal', time);
     this.drawHoveredWall(recording.walls[this.hoveredWall]);
     this.drawGhost(recording.shownGhost, time);
-    this.drawPlan(recording, time, goal);
+    drawPlanned(this, recording, time, goal);
     if (goal && !(edit && edit.body === 'goal')) this.drawGoal(goal.pose);
     if (!recording.isEmpty) this.drawBodies(recording, time);
     this.drawDisplacement(recording.latest('displacement', time), time);
@@ -96,21 +96,6 @@ class Floor extends Pen {
   drawRobot(pose, radius, style) {
     this.circle(pose, radius * this.camera.scale, style);
     this.line([pose, transform(pose, [radius, 0])], style.stroke, style.width, style.dash);
-  }
-
-  // The plan that is under way: until another state than approach, align and push.
-  drawPlan(recording, time, goal) {
-    const plan = recording.latest('plan', time), state = recording.latest('state', time);
-    if (!plan || goal && goal.time > plan.time) return;
-    if (state && !['approach', 'align', 'push'].includes(state.state)) return;
-    this.line(plan.approach, this.colors.plan, 1.2, [2, 4]);
-    this.line(plan.object, this.colors.plan, 2, [7, 4]);
-    const last = plan.object[plan.object.length - 1];
-    for (const pose of [last, ...plan.later]) {
-      this.drawObject(pose, { stroke: this.colors.plan, width: 1, dash: [3, 3] });
-    }
-    this.drawRobot(plan.robot[0], recording.scene.robot.radius,
-                   { stroke: this.colors.plan, width: 1, dash: [3, 3] });
   }
 
   drawGoal(pose, isEdited = false) {

@@ -1,7 +1,7 @@
 'use strict';
 // A run as its messages describe it: columns of numbers over time, and what held from when on.
 
-const KINDS = ['state', 'goal', 'plan', 'map', 'truth', 'base', 'displacement', 'collision', 'ending'];
+const KINDS = ['state', 'goal', 'plan', 'refusal', 'map', 'truth', 'base', 'displacement', 'collision', 'ending'];
 // Columns that change in steps.
 const STEPS = ['mode', 'object_seen'];
 const ANGLES = /(_theta|_angle|^normal)$/;

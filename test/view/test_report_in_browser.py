@@ -5,7 +5,14 @@ import dataclasses
 from helpers.browser import open_browser
 from helpers.tapes import make_result, make_tape, straight_plan, TIMES
 import numpy as np
+from push_model.geometry import Pose
+from push_model.plan_request import PlanFailure
+from push_navigation.map_clearance import PositionEllipse
+from push_planner.refusal_marks import FaceMark, NarrowPlace, RefusalMarks
 from push_view import write_report
+from push_view.messages import later_push, refusal_message
+from push_view.page_file import page_html
+from push_view.recording import recording
 import pytest
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
@@ -105,3 +112,28 @@ def luminance(color):
     channels = np.array([int(color[i:i + 2], 16) for i in (1, 3, 5)]) / 255
     linear = np.where(channels <= 0.03928, channels / 12.92, ((channels + 0.055) / 1.055) ** 2.4)
     return float(linear @ (0.2126, 0.7152, 0.0722))
+
+
+def test_a_report_draws_what_is_planned_and_why_there_is_no_plan(browser, tmp_path):
+    """Ghosts with their numbers, and the marks of a refusal, until there is a plan again."""
+    path, runs = tmp_path / 'planned.html', []
+    marks = RefusalMarks(NarrowPlace(1.0, 0.0, 0.5, 0.8, PositionEllipse(0.2, 0.1, 0.3)),
+                         (FaceMark(0.4, 0.5, False), FaceMark(0.4, -0.5, True)),
+                         Pose(1.5, 0.5, 0.1), Pose(1.2, 0.0, 0.0))
+    messages = recording(make_result(make_tape(), straight_plan(), (2.0, 0.0, 0.0)))
+    later = [later_push(Pose(1.0 + x, 0.3, 0.2), Pose(0.7 + x, 0.2, 0.2)) for x in (0.0, 0.5)]
+    for message in messages:
+        runs.append({**message, 'later': later} if message['type'] == 'plan' else message)
+    runs.append(refusal_message(5.0, PlanFailure.BLOCKED, 'a wall', marks))
+    path.write_text(page_html('planned', {
+        'runs': [{'name': 'one', 'messages': runs}], 'table': [['']]}), encoding='utf-8')
+    browser.open(path.as_uri(), prefers_reduced_motion='reduce')
+    browser.wait('app.recording.time.length > 0')
+    browser.run('const c = app.floor.context, draw = c.fillText.bind(c); window.texts = [];'
+                'c.fillText = (text, ...at) => { window.texts.push(text); draw(text, ...at); };')
+    for time, shown, hidden in ((1.0, '3', '0.50 m free, 0.80 m needed'),
+                                (6.0, '0.50 m free, 0.80 m needed', '3')):
+        browser.run(f'window.texts = []; app.player.seek({time}); app.redraw();')
+        browser.wait(f'window.texts.includes("{shown}")')
+        assert not browser.run(f'return window.texts.includes("{hidden}")')
+    assert browser.errors() == []
