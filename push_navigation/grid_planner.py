@@ -18,6 +18,7 @@ from push_navigation.map_clearance import MapClearance
 from push_navigation.obstacle import InflatedObstacle
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.path import NoPathFound, PathFailure, Waypoint
+from push_navigation.visibility import last_seen, make_visibility, see_points
 
 # Steps to the right and up to half of the neighbours of a grid point; the others link to it.
 NEIGHBOURS = ((1, 0), (0, 1), (1, 1), (1, -1))
@@ -37,8 +38,6 @@ NEARNESS_COST = 1.0
 # The gap of a robot that may drift off its route, with the same cost for each length that it lacks
 # [m]; chosen: half the width of a corridor.
 DRIFTING_GAP = 0.6
-# Places on a line of sight of which one is looked at first; chosen: the width of a robot apart.
-COARSE_STEP = 16
 # Gap that a shortcut may lose [m]; chosen: below a cell, so that routes get straight.
 SHORTCUT_LOSS = 0.02
 
@@ -151,6 +150,7 @@ class _FreeSpace:
     def __init__(self, margins: MapClearance, body: InflatedObstacle, object_pose: Pose) -> None:
         self._margins = margins
         self._map = margins.context.occupancy_map
+        self._visibility = make_visibility(margins, body, object_pose)
         self._body = body
         c, s = math.cos(object_pose.theta), math.sin(object_pose.theta)
         self._object_rotation = np.array([[c, -s], [s, c]])
@@ -182,27 +182,15 @@ class _FreeSpace:
         nearness = NEARNESS_COST * gap / COMFORTABLE_GAP
         return np.round(lengths * (1.0 + nearness * shortfalls), 6)
 
-    def sees(self, point: FloatArray, points: FloatArray,
-             clearances: FloatArray | float = 0.0) -> BoolArray:
-        """Tell to which points the straight line from a point is free, with such clearances."""
-        fractions = _fractions(point[None, :], points, self._map.resolution / 2)
-        least = np.broadcast_to(clearances, len(points))
-        seen = np.arange(len(points))
-        # A few places tell of most lines that they are not free.
-        for some in (fractions[::COARSE_STEP], fractions):
-            samples = _on_lines(point[None, :], points[seen], some)
-            seen = seen[self._are_free(samples, least[seen], len(some))]
-        result = np.zeros(len(points), dtype=bool)
-        result[seen] = True
-        return result
+    def sees(self, point: FloatArray, points: FloatArray, least: float = 0.0) -> BoolArray:
+        """Tell to which points the straight line from a point is free, with a clearance [m]."""
+        return see_points(self._visibility, self._map.to_map([point])[0], self._map.to_map(points),
+                          np.full(len(points), least), self._map.resolution / 2)
 
-    def _are_free(self, samples: FloatArray, clearances: FloatArray, count: int) -> BoolArray:
-        """Tell which lines are free, with such clearances, of each of which there are samples."""
-        distances = self._map.clearance(samples)
-        free = distances >= self._margins.required(samples) - 1e-9
-        free[free] = self.distances(samples[free]) >= -1e-6
-        least = distances.reshape(-1, count).min(axis=1, initial=math.inf)
-        return np.all(free.reshape(-1, count), axis=1) & (least >= clearances)
+    def last_seen(self, point: FloatArray, points: FloatArray, clearances: FloatArray) -> int:
+        """Find the last point to which the line is free, with such clearances, -1 for none."""
+        return last_seen(self._visibility, self._map.to_map([point])[0], self._map.to_map(points),
+                         clearances, self._map.resolution / 2)
 
     def keeps_off_object(self, grid: GridGraph) -> BoolArray:
         """Tell which edges of a grid keep out of the inflated object."""
@@ -301,18 +289,8 @@ def _between(first: FloatArray, last: FloatArray, spacing: float) -> FloatArray:
     :param spacing: largest distance between samples [m].
     :return: samples line by line, shape (n * k, 2) [m].
     """
-    return _on_lines(first, last, _fractions(first, last, spacing))
-
-
-def _fractions(first: FloatArray, last: FloatArray, spacing: float) -> FloatArray:
-    """Parts of lines at which they are sampled; arguments as of ``_between``."""
     longest = np.linalg.norm(last - first, axis=1).max(initial=0.0)
-    count = 2 + math.floor(longest / spacing)
-    return np.linspace(0.0, 1.0, count, dtype=np.float64)
-
-
-def _on_lines(first: FloatArray, last: FloatArray, fractions: FloatArray) -> FloatArray:
-    """Points on each of some lines, line by line, shape (n * k, 2) [m]."""
+    fractions = np.linspace(0.0, 1.0, 2 + math.floor(longest / spacing), dtype=np.float64)
     lines = first[:, None, :] + fractions[:, None] * (last - first)[:, None, :]
     return lines.reshape(-1, 2)
 
@@ -342,7 +320,6 @@ def _shortcut(space: _FreeSpace, points: FloatArray) -> FloatArray:
     while last < len(points) - 1:
         # Between points of the route it may be a little nearer than at them.
         least = np.minimum.accumulate(gaps[last:])[1:] - SHORTCUT_LOSS
-        seen = np.flatnonzero(space.sees(points[last], points[last + 1:], least))
-        last += 1 + (int(seen[-1]) if seen.size else 0)
+        last += 1 + max(0, space.last_seen(points[last], points[last + 1:], least))
         margins.append(points[last])
     return np.array(margins)

@@ -7,11 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 from push_model.geometry import BoolArray, FloatArray, IntArray, Pose
 from push_model.parameters import PushedObject
+from push_navigation.floor import Floor
 from push_navigation.occupancy_map import OccupancyMap
 from push_planner.rearrangement.footprints import distances_to_object
 from push_planner.straight.map_search.object_distance import (
     distance_grid, DistanceGrid, length_at, NEIGHBOURS, SPACING, UNREACHED)
-from push_planner.straight.map_search.scene import Floor
 
 # Points of the grid at most; chosen: shortest paths to all of them take some 10 ms.
 MAX_POINTS = 40_000

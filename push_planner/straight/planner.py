@@ -65,20 +65,21 @@ class StraightPlan(NamedTuple):
 def plan_straight_push(request: PlanRequest, robot: RoundRobot,
                        settings: PlannerSettings | None = None,
                        drive: DriveSettings | None = None, *,
-                       occupancy_map: OccupancyMap | None = None) -> StraightPlan:
+                       paths: 'ApproachPaths | None' = None) -> StraightPlan:
     """
     Plan the next straight push on open floor.
 
     :param request: ``PlanRequest``, with what has been learned so far.
     :param settings: ``PlannerSettings``, or None for the defaults.
     :param drive: ``DriveSettings``, or None for the defaults.
-    :param occupancy_map: ``OccupancyMap`` that the robot's path keeps to; the push does not.
+    :param paths: ``ApproachPaths`` of the robot, as through a map, to which the push does not
+        keep; None for those of open floor.
     :raises PlanningFailed: with the reason.
     """
     settings, drive = settings or PlannerSettings(), drive or DriveSettings()
     request = checked_request(request, robot)
     primitives = primitives_for(request, robot, drive)
-    paths = ApproachPaths(request, robot, settings, drive, occupancy_map)
+    paths = paths or ApproachPaths(request, robot, settings, drive)
     to_object = request.object_pose.inverse()
     selected = select_push(primitives, SelectionQuery(
         to_object @ request.goal, to_object @ request.robot_pose, friction_belief(request),
@@ -186,8 +187,9 @@ class ApproachPaths:
     """
     Paths to the starts of primitives.
 
-    ``reason``: why the last one that could not be planned has no path, and ``is_too_uncertain``:
-    whether one had none only as the robot does not know its position.
+    ``reason``: why the last one that could not be planned has no path, ``is_too_uncertain``:
+    whether one had none only as the robot does not know its position, and ``count``: of all that
+    were planned, or could not be.
 
     :param request: ``PlanRequest``.
     :param robot: the ``RoundRobot``.
@@ -207,6 +209,7 @@ class ApproachPaths:
         self._paths: dict[Pose, Path] = {}
         self.reason = ''
         self.is_too_uncertain = False
+        self.count = 0
 
     def to(self, start: Pose) -> Path:
         """
@@ -223,6 +226,7 @@ class ApproachPaths:
         :param start: robot centre at first contact and direction of motion, object frame.
         """
         request = self._request
+        self.count += 1
         try:
             path = plan_approach(self._robot, request.obj, request.object_pose,
                                  request.robot_pose, request.object_pose @ start, self._drive,

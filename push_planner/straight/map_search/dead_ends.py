@@ -9,7 +9,7 @@ import math
 from typing import Any
 
 from push_dynamics.compiled import compiled
-from push_planner.straight.map_search.scene import clearance
+from push_navigation.floor import clearance
 
 # Angle at which a disc is pushed off an obstacle [rad], of which one point of the table is certain
 # to have most, and distance from its middle at which the floor is looked at for the direction of

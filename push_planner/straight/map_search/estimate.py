@@ -14,9 +14,9 @@ from typing import Any
 
 from push_dynamics.compiled import compiled, wrap_angles
 from push_model.geometry import Pose
+from push_navigation.floor import clearance
 from push_planner.straight.map_search.object_distance import length_at, UNREACHED
 from push_planner.straight.map_search.problem import FREE
-from push_planner.straight.map_search.scene import clearance
 from push_primitives.cost_to_go import interpolate_cost
 
 # Distance and rotation after which the estimate charges another contact [m, rad]; fitted to

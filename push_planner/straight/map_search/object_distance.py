@@ -11,8 +11,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from push_dynamics.compiled import compiled
+from push_navigation.floor import clearance, Floor
 from push_planner.straight.map_search.priority_queue import push, remove_first
-from push_planner.straight.map_search.scene import clearance, Floor
 
 # Spacing of the grid, at least [m]; chosen: that of usual maps.
 SPACING = 0.05

@@ -17,6 +17,7 @@ from push_model.geometry import BoolArray, distance, FloatArray, Pose, wrap_angl
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.plan_request import HEADING_TOLERANCE, PlanFailure, PlanRequest
 from push_model.trajectory import PushStyle
+from push_navigation.floor import make_floor
 from push_navigation.map_clearance import CERTAIN
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.path_planner import CLEARANCE_STEPS
@@ -33,7 +34,7 @@ from push_planner.straight.map_search.refusals import (
     first_failure, MapPoses, Refusals, SHUT_IN_DISTANCE)
 from push_planner.straight.map_search.remaining_pushes import (
     expected_end, is_as_expected, pushes_after_first, RemainingPushes)
-from push_planner.straight.map_search.scene import Floor, make_scene
+from push_planner.straight.map_search.scene import make_scene
 from push_planner.straight.map_search.search import (
     FINE, MapSearch, Margins, SearchEnd, SearchResult, SearchSettings)
 from push_planner.straight.planner import (
@@ -59,9 +60,9 @@ LAST_EXPANSIONS, WIDE_EXPANSIONS = 4000, 300
 MIN_FRACTION = CLEARANCE_STEPS[-1][0]
 # Part of the tolerances within which a last push ends, as planned.
 GOAL_FRACTION = 0.7
-# Work of all searches of a request, as of ``Query``; measured at 0.13 to 0.16 us each, so that a
-# refusal takes two seconds at most.
-MAX_WORK = 12_000_000
+# Work of all searches of a request, as of ``Query``, and of a path to a first push in the same
+# units; measured at 0.13 to 0.16 us each, so that a refusal takes two seconds at most.
+MAX_WORK, PATH_WORK = 12_000_000, 300_000
 # First pushes whose paths are planned, until one is found, and where the robot goes round through
 # other rooms, which takes ten times as long to search.
 MAX_FIRST_PUSHES, MAX_WIDE_PUSHES = 12, 3
@@ -125,12 +126,15 @@ def _plan_checked(request: PlanRequest, robot: RoundRobot, settings: PlannerSett
                   drive: DriveSettings, occupancy_map: OccupancyMap,
                   remaining: RemainingPushes | None) -> MapPlan:
     """Plan with any heading at the goal where that does, and with the stated one."""
+    max_work = MAX_WORK
     if request.is_heading_free:
+        max_work //= 2
         free = _with_any_heading(request, occupancy_map, remaining)
         with contextlib.suppress(PlanningFailed):
-            return _MapPlanner(free, robot, settings, drive, occupancy_map).plan(remaining)
+            return _MapPlanner(free, robot, settings, drive, occupancy_map,
+                               max_work).plan(remaining)
         request = request._replace(heading_tolerance=HEADING_TOLERANCE)
-    return _MapPlanner(request, robot, settings, drive, occupancy_map).plan(remaining)
+    return _MapPlanner(request, robot, settings, drive, occupancy_map, max_work).plan(remaining)
 
 
 def warm_up(obj: PushedObject, robot: RoundRobot, drive: DriveSettings) -> None:
@@ -189,12 +193,13 @@ class _MapPlanner:
     """Planner of one request."""
 
     def __init__(self, request: PlanRequest, robot: RoundRobot, settings: PlannerSettings,
-                 drive: DriveSettings, occupancy_map: OccupancyMap) -> None:
+                 drive: DriveSettings, occupancy_map: OccupancyMap, max_work: int) -> None:
         self._request = request
         self._robot = robot
         self._settings = settings
         self._drive = drive
         self._map = occupancy_map
+        self._remaining_work = max_work
         # No push makes a new overlap, but one within the tolerance of the goal.
         measured = MAX_OVERLAP + 0.5 * occupancy_map.resolution
         for name, pose, overlap in (
@@ -218,11 +223,14 @@ class _MapPlanner:
         line = np.linspace(request.object_pose[:2], request.goal[:2], LINE_SAMPLES)
         if self._map.clearance(line).min() < self._open_radius:
             return None
+        paths = ApproachPaths(request, self._robot, self._settings, self._drive, self._map)
         try:
             plan = plan_straight_push(request, self._robot, self._settings, self._drive,
-                                      occupancy_map=self._map)
+                                      paths=paths)
         except PlanningFailed:
             return None
+        finally:
+            self._remaining_work -= PATH_WORK * paths.count
         trajectory = plan.trajectory
         is_free = (self._map.object_is_free(request.obj, trajectory.object_poses, margin)
                    and self._map.robot_is_free(self._robot, trajectory.robot_poses, margin))
@@ -264,18 +272,17 @@ class _MapPlanner:
         :raises PlanningFailed: where there is none whose first push the robot can reach.
         """
         failures: list[SearchResult] = []
-        expansions, work = 0, 0
+        expansions = 0
         is_exhausted = False
         # Pushes whose start the robot does not get to; paths do not depend on the margins.
         blocked = np.zeros(len(known.pushes.primitives), dtype=np.bool_)
         for margins in self._margins():
-            if (work >= MAX_WORK or np.count_nonzero(blocked) >= MAX_BLOCKED
+            if (self._remaining_work <= 0 or np.count_nonzero(blocked) >= MAX_BLOCKED
                     or (margins.is_wide and not is_exhausted)):
                 break
-            for result in _alternatives(known, margins._replace(max_work=MAX_WORK - work),
-                                        blocked):
+            for result in self._alternatives(known, margins, blocked):
                 expansions += result.expansions
-                work += result.work
+                self._remaining_work -= result.work
                 is_exhausted = result.end is SearchEnd.EXHAUSTED
                 if result.end is not SearchEnd.FOUND:
                     failures.append(result)
@@ -283,11 +290,27 @@ class _MapPlanner:
                 # The search sees the robot's path on a grid only.
                 start = known.pushes.starts[result.pushes[0].push_index]
                 time = known.paths.travel_time(Pose(*start.tolist()))
+                self._remaining_work -= PATH_WORK
                 if math.isfinite(time):
                     return self._lay_out(result, time, known, expansions)
-                if work >= MAX_WORK:
-                    break
         raise self._refuse(known, failures)
+
+    def _alternatives(self, known: _Known, margins: Margins,
+                      blocked: BoolArray) -> Iterator[SearchResult]:
+        """
+        Generate the best chains that start differently, and at last what ends them.
+
+        :param blocked: whether a push may not come first; those that came first are added.
+        """
+        for _ in range(MAX_WIDE_PUSHES if margins.is_wide else MAX_FIRST_PUSHES):
+            if self._remaining_work <= 0:
+                return
+            result = known.search.run(
+                *known.poses, margins._replace(max_work=self._remaining_work), blocked)
+            yield result
+            if result.end is not SearchEnd.FOUND:
+                return
+            blocked[result.pushes[0].push_index] = True
 
     def _lay_out(self, result: SearchResult, travel_time: float, known: _Known,
                  expansions: int) -> MapPlan:
@@ -390,24 +413,8 @@ class _MapPlanner:
         return known.search.run(*known.poses, certain, blocked).farthest > 0.0
 
 
-def _alternatives(known: _Known, margins: Margins,
-                  blocked: BoolArray) -> Iterator[SearchResult]:
-    """
-    Generate the best chains of pushes that start differently, and at last what ends them.
-
-    :param blocked: whether a push may not come first; those that came first are added.
-    """
-    for _ in range(MAX_WIDE_PUSHES if margins.is_wide else MAX_FIRST_PUSHES):
-        result = known.search.run(*known.poses, margins, blocked)
-        yield result
-        if result.end is not SearchEnd.FOUND:
-            return
-        blocked[result.pushes[0].push_index] = True
-
-
 # A task asks for the same goal again and again; a grid of a flat takes a megabyte.
 @functools.lru_cache(maxsize=4)
 def _distance_grid(occupancy_map: OccupancyMap, goal: tuple[float, float],
                    needed: float) -> DistanceGrid:
-    return distance_grid(Floor(occupancy_map.distances, 1.0 / occupancy_map.resolution), goal,
-                         needed)
+    return distance_grid(make_floor(occupancy_map), goal, needed)

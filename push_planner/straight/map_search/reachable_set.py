@@ -11,7 +11,8 @@ from typing import Any, NamedTuple
 
 from push_dynamics.compiled import compiled
 from push_model.geometry import FloatArray, IntArray
-from push_planner.straight.map_search.scene import clearance, distance_to_object
+from push_navigation.floor import clearance
+from push_planner.straight.map_search.scene import distance_to_object
 
 # Spacing of the grid [m]; chosen: a third of the radius of a small robot.
 SPACING = 0.05

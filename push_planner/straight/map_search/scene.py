@@ -4,27 +4,15 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from push_dynamics.compiled import compiled
 from push_model.geometry import FloatArray
 from push_model.parameters import PushedObject
+from push_navigation.floor import clearance, Floor, make_floor, polygon_distance
 from push_navigation.footprint_clearance import footprint_clearance
 from push_navigation.occupancy_map import footprint, OccupancyMap
 
 # Vertices of a round outline.
 NO_VERTICES = np.zeros((0, 2))
-
-
-class Floor(NamedTuple):
-    """
-    Obstacles; positions are in the frame of the map.
-
-    :param distances: clearances of cell centres, with a border of one cell, shape (r, c) [m].
-    :param cells_per_metre: of the map [1/m].
-    """
-
-    distances: NDArray[np.float32]
-    cells_per_metre: float
 
 
 class Scene(NamedTuple):
@@ -53,7 +41,7 @@ def make_scene(occupancy_map: OccupancyMap, obj: PushedObject, robot_radius: flo
 
     :param robot_radius: [m].
     """
-    floor = Floor(occupancy_map.distances, 1.0 / occupancy_map.resolution)
+    floor = make_floor(occupancy_map)
     core, _ = footprint(obj)
     if not obj.outline:
         return Scene(floor, core, NO_VERTICES, obj.radius, obj.radius, robot_radius)
@@ -64,27 +52,6 @@ def make_scene(occupancy_map: OccupancyMap, obj: PushedObject, robot_radius: flo
     depths = (vertices[:, 0] * following[:, 1] - vertices[:, 1] * following[:, 0]) / lengths
     return Scene(floor, core, vertices,
                  max(0.0, float(depths.min())), float(np.hypot(*vertices.T).max()), robot_radius)
-
-
-@compiled
-def clearance(floor: Any, x: float, y: float) -> float:
-    """
-    Interpolate the distance of a point from obstacles.
-
-    :param floor: ``Floor``.
-    :param x: along columns, from the outer corner of the first cell [m].
-    :param y: along rows [m].
-    :return: distance [m], negative in obstacles and outside the map.
-    """
-    column = x * floor.cells_per_metre + 0.5
-    row = y * floor.cells_per_metre + 0.5
-    rows, columns = floor.distances.shape
-    if column < 0.0 or row < 0.0 or column >= columns - 1 or row >= rows - 1:
-        return -1.0
-    j, i = int(column), int(row)
-    u, v = column - j, row - i
-    return ((floor.distances[i, j] * (1.0 - u) + floor.distances[i, j + 1] * u) * (1.0 - v)
-            + (floor.distances[i + 1, j] * (1.0 - u) + floor.distances[i + 1, j + 1] * u) * v)
 
 
 @compiled
@@ -117,19 +84,6 @@ def distance_to_object(scene: Any, x: float, y: float) -> float:
     :param y: in the object frame [m].
     :return: distance [m], negative inside.
     """
-    count = scene.vertices.shape[0]
-    if count == 0:
+    if scene.vertices.shape[0] == 0:
         return math.sqrt(x * x + y * y) - scene.outer_radius
-    nearest = 1e18
-    inside = True
-    for k in range(count):
-        following = k + 1 if k + 1 < count else 0
-        x0, y0 = scene.vertices[k, 0], scene.vertices[k, 1]
-        e_x, e_y = scene.vertices[following, 0] - x0, scene.vertices[following, 1] - y0
-        d_x, d_y = x - x0, y - y0
-        if e_x * d_y - e_y * d_x < 0.0:
-            inside = False
-        t = min(1.0, max(0.0, (d_x * e_x + d_y * e_y) / (e_x * e_x + e_y * e_y)))
-        d_x, d_y = d_x - t * e_x, d_y - t * e_y
-        nearest = min(nearest, d_x * d_x + d_y * d_y)
-    return -math.sqrt(nearest) if inside else math.sqrt(nearest)
+    return polygon_distance(scene.vertices, x, y)

@@ -8,6 +8,7 @@ import math
 from typing import Any
 
 from push_dynamics.compiled import compiled
+from push_navigation.floor import clearance
 from push_planner.straight.map_search.dead_ends import is_dead_end, STANDOFF
 from push_planner.straight.map_search.estimate import estimate, heading_error
 from push_planner.straight.map_search.lattice import cell_key, find_slot
@@ -21,7 +22,7 @@ from push_planner.straight.map_search.pushes import FIRST, LATER
 from push_planner.straight.map_search.reachable_set import (
     fill_reachable_set, needed_gap, path_length,
 )
-from push_planner.straight.map_search.scene import clearance, object_clearance
+from push_planner.straight.map_search.scene import object_clearance
 
 # Distance from the start along either axis within which the object may keep the clearance that it
 # has [m]; chosen: along a wall until there is room behind it.

@@ -9,6 +9,7 @@ import numpy as np
 from push_model.events import ObjectFailure
 from push_model.geometry import BoolArray, boundary_point, distance, Pose
 from push_model.parameters import RoundRobot
+from push_navigation.floor import make_floor
 from push_navigation.occupancy_map import OccupancyMap
 from push_planner.rearrangement.moves import MoveEvaluator
 from push_planner.rearrangement.order import plan_order
@@ -16,7 +17,6 @@ from push_planner.rearrangement.placements import GOAL, Placements, START
 from push_planner.rearrangement.problem import (
     NamedObject, OrderPlan, Rearrangement)
 from push_planner.straight.map_search.object_distance import narrowest_passage
-from push_planner.straight.map_search.scene import Floor
 import pytest
 
 ROBOT = RoundRobot(0.17)
@@ -141,7 +141,7 @@ def test_a_door_is_freed(goal: Pose | None) -> None:
     # With the bin there, the box passes however it is turned.
     with_bin = OccupancyMap(floor.resolution, floor.origin, floor.occupied | disc_cells(
         floor, plan.moves[0].end, 0.2))
-    passage = narrowest_passage(Floor(with_bin.distances, 1.0 / with_bin.resolution),
+    passage = narrowest_passage(make_floor(with_bin),
                                 *(tuple(with_bin.to_map([place])[0].tolist())
                                   for place in ((-1.8, 0.7), (1.9, 0.2))))
     assert passage.width > 0.4 * math.sqrt(2.0)

@@ -10,6 +10,7 @@ from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
 from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.trajectory import PushStyle
+from push_navigation.floor import make_floor
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.path import sample_path
 from push_navigation.path_planner import CLEARANCE_STEPS
@@ -23,7 +24,7 @@ from push_planner.straight.map_search.reachable_set import (
     fill_reachable_set, HALF_WINDOW, path_length, ReachableSet, RobotMargins, SPACING, UNREACHED)
 from push_planner.straight.map_search.refusal_memory import Question, RefusalMemory
 from push_planner.straight.map_search.scene import (
-    distance_to_object, Floor, make_scene, object_clearance)
+    distance_to_object, make_scene, object_clearance)
 from push_planner.straight.planner import plan_straight_push
 import pytest
 from scipy.ndimage import label
@@ -301,7 +302,7 @@ def test_clearances_of_the_object_are_those_of_its_outline():
 def test_lengths_of_paths_are_those_of_the_grid():
     """On open floor along rows and diagonals; round a wall no shorter than there."""
     occupancy_map = walled_room((-0.1, 0.1, -3.0, 2.4))
-    floor = Floor(occupancy_map.distances, 1.0 / occupancy_map.resolution)
+    floor = make_floor(occupancy_map)
     grid = distance_grid(floor, (1.0, 1.0), 0.2)
     rows, columns = grid.lengths.shape
     assert (rows, columns) == occupancy_map.occupied.shape
