@@ -43,7 +43,7 @@ class Crossing(NamedTuple):
 
 
 class Walker:
-    """Walks at the robot; passes through whatever there is, and is seen by the lidar alone."""
+    """Walks at the robot as far as walls let them, and is seen by the lidar alone."""
 
     def __init__(self, seed: int, floor: OccupancyMap | None, *, walks: bool = True) -> None:
         """
@@ -80,6 +80,10 @@ class Walker:
             return
         covered = self._speed * (simulation.time - self._start_time)
         person = self._start + covered * self._direction
+        if covered > START_DISTANCE + END_DISTANCE or not self._is_free(person[None]):
+            self._end(simulation,
+                      has_crossed=covered > START_DISTANCE or self._gap <= 0.0)
+            return
         turn = np.linspace(0.0, 2.0 * math.pi, CORNERS, endpoint=False)
         simulation.show_visitor(person + RADIUS * np.stack((np.cos(turn), np.sin(turn)), axis=1))
         gap = float(np.hypot(*(person - robot))) - RADIUS - simulation.robot.radius
@@ -87,8 +91,6 @@ class Walker:
         if gap <= 0.0:
             twist = simulation.truth.robot_twist
             self._robot_speed = max(self._robot_speed, math.hypot(twist.v_x, twist.v_y))
-        if covered > START_DISTANCE + END_DISTANCE:
-            self._end(simulation)
 
     def _start_walk(self, robot: FloatArray, obj: FloatArray, time: float) -> None:
         """Start where the person sees the robot, with the object not between, if possible."""
@@ -101,13 +103,17 @@ class Walker:
                            - START_DISTANCE * self._direction)
             fractions = np.arange(0.0, 1.0, SPACING / START_DISTANCE)[:, None]
             line = self._start + fractions * (robot - self._start)
-            is_free = self._floor is None or self._floor.clearance(line).min() > 0.0
-            if is_free and np.hypot(*(line - obj).T).min() > OBJECT_DISTANCE:
+            if self._is_free(line) and np.hypot(*(line - obj).T).min() > OBJECT_DISTANCE:
                 self._speed = float(self._rng.uniform(*SPEEDS))
                 return
 
-    def _end(self, simulation: Simulation) -> None:
-        self.crossings.append(Crossing(self._speed, self._robot_speed, self._gap))
+    def _is_free(self, line: FloatArray) -> bool:
+        """Tell whether there is room for a person between walls."""
+        return self._floor is None or bool(self._floor.clearance(line).min() > RADIUS)
+
+    def _end(self, simulation: Simulation, *, has_crossed: bool) -> None:
+        if has_crossed:
+            self.crossings.append(Crossing(self._speed, self._robot_speed, self._gap))
         simulation.show_visitor(np.zeros((0, 2)))
         self._speed = 0.0
         self._gap = math.inf

@@ -112,7 +112,7 @@ PUSHES = (
               'and heading_error <= settings.heading_tolerance - heading_margin):',
               'and heading_error <= settings.heading_tolerance + heading_margin):'),
     _behavior('pushes that nobody sees go on', 'progress',
-              'if self._unseen_pushes >= MAX_UNSEEN_PUSHES:\n            return TaskEvent',
+              'if self._unseen_pushes >= self._max_unseen_pushes:\n            return TaskEvent',
               'if False:\n            return TaskEvent'),
 )
 CALIBRATIONS = (

@@ -31,6 +31,9 @@ MAX_SPINS = 2
 # may have missed the object once or twice, and a tracker that is frozen from the start shows no
 # more.
 MAX_UNSEEN_PUSHES = 3
+# The same once the poses have jumped; chosen: one push may have missed an object that somebody has
+# put elsewhere.
+MAX_UNSEEN_AFTER_JUMP = 2
 # Failures that another map may end, and the time for which one is waited for [s]; chosen: somebody
 # steps aside, or takes away what stands at the goal.
 MAP_FAILURES = (PlanFailure.NOT_FREE, PlanFailure.BLOCKED, PlanFailure.UNCERTAIN_POSITION,
@@ -136,6 +139,7 @@ class ProgressMonitor:
         # Whether the wheels have spun at the last push.
         self._has_just_spun = False
         self._unseen_pushes = 0
+        self._max_unseen_pushes = MAX_UNSEEN_PUSHES
         self._least_error = math.inf
         self._least_time = math.inf
         self._attempts = 0
@@ -215,12 +219,15 @@ class ProgressMonitor:
         """Count stops from zero again: somebody has looked after the robot."""
         self._safety_stops = 0
 
-    def count_push(self, repeats_pose: bool) -> None:
+    def count_push(self, repeats_pose: bool, *, have_poses_jumped: bool = False) -> None:
         """
         Count a push that has ended.
 
         :param repeats_pose: whether the object pose is what it was before, to the last digit.
+        :param have_poses_jumped: whether object poses have jumped in this task.
         """
+        self._max_unseen_pushes = (
+            MAX_UNSEEN_AFTER_JUMP if have_poses_jumped else MAX_UNSEEN_PUSHES)
         self._unseen_pushes = self._unseen_pushes + 1 if repeats_pose else 0
         self.rest_clock = RestClock()
 
@@ -402,7 +409,7 @@ class ProgressMonitor:
     @property
     def abort_cause(self) -> AnyReport | None:
         """``Report`` of why the task is to be aborted; None while it is not."""
-        if self._unseen_pushes >= MAX_UNSEEN_PUSHES:
+        if self._unseen_pushes >= self._max_unseen_pushes:
             return TaskEvent.PUSHES_UNSEEN.report(count=self._unseen_pushes)
         if self._attempts < self.settings.max_attempts:
             return self._uncertainty or self._planning_failure
@@ -413,7 +420,7 @@ class ProgressMonitor:
     @property
     def failure(self) -> TaskFailure | None:
         """Why the task is to be aborted, None while it is not."""
-        if self._unseen_pushes >= MAX_UNSEEN_PUSHES:
+        if self._unseen_pushes >= self._max_unseen_pushes:
             return TaskFailure.NO_MEASUREMENTS
         if self._attempts >= self.settings.max_attempts:
             return TaskFailure.NO_PROGRESS

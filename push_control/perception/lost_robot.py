@@ -116,6 +116,11 @@ class LostRobotMonitor:
         return self._contacts.is_refuting
 
     @property
+    def have_poses_jumped(self) -> bool:
+        """Tell whether object poses have jumped in this task."""
+        return self._have_poses_jumped
+
+    @property
     def is_object_unyielding(self) -> bool:
         """Tell whether a robot that seems to be where it should has pushed without effect."""
         return (self._is_undisturbed and not self._have_poses_jumped

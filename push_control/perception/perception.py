@@ -410,6 +410,11 @@ class TaskPerception(RawPerception):
         """Tell whether the last object poses are one, to the last digit."""
         return self._window.repeats_pose and not self.is_blind
 
+    @property
+    def have_poses_jumped(self) -> bool:
+        """Tell whether object poses have jumped in this task."""
+        return self._monitor.have_poses_jumped
+
     # Is the robot where it is localized?
 
     @property

@@ -191,6 +191,11 @@ class RawPerception:
         return False
 
     @property
+    def have_poses_jumped(self) -> bool:
+        """Tell whether object poses have jumped in this task."""
+        return False
+
+    @property
     def is_object_unyielding(self) -> bool:
         """Tell whether a push to no effect has shown that the object does not yield."""
         return False

@@ -362,7 +362,8 @@ class TaskExecution:
             state = TaskState.IDLE
         self._last_push = self._push_status
         if self.state is TaskState.PUSH:
-            self._progress.count_push(perception.repeats_pose)
+            self._progress.count_push(perception.repeats_pose,
+                                      have_poses_jumped=perception.have_poses_jumped)
         elif self.state is TaskState.PLAN and state is TaskState.LOOK:
             perception.restart_averaging(perception.time)
         self._behavior = self._behaviors.create(

@@ -8,8 +8,8 @@ from helpers.straight_pushes import straight_push
 from push_control.behaviors.failures import BehaviorFailure
 from push_control.behaviors.progress import (
     CAUTION_FACTOR, GoalCheck, MAP_FAILURES, MAP_TIME_LIMIT, MAX_INSPECTIONS, MAX_SAFETY_STOPS,
-    MAX_UNSEEN_PUSHES, MIN_CONE_FRACTION, ProgressMonitor, REST_REPORT_TIME, REST_TIME_LIMIT,
-    RestClock, WAYPOINT_DISTANCE, WAYPOINTS_PER_ATTEMPT)
+    MAX_UNSEEN_AFTER_JUMP, MAX_UNSEEN_PUSHES, MIN_CONE_FRACTION, ProgressMonitor, REST_REPORT_TIME,
+    REST_TIME_LIMIT, RestClock, WAYPOINT_DISTANCE, WAYPOINTS_PER_ATTEMPT)
 from push_control.events import TaskEvent
 from push_control.goal import TaskFailure
 from push_control.perception.object_at_rest import ObjectAtRest
@@ -326,3 +326,13 @@ def test_pushes_that_leave_the_pose_to_the_last_digit_end_a_task():
     monitor.count_push(repeats_pose=True)
     assert monitor.abort_cause.code is TaskEvent.PUSHES_UNSEEN
     assert monitor.failure is TaskFailure.NO_MEASUREMENTS
+
+
+def test_after_a_jump_of_the_poses_fewer_such_pushes_end_a_task() -> None:
+    """Poses that are frozen elsewhere show themselves sooner; one push may still miss."""
+    monitor = ProgressMonitor(SUPERVISION, AIM)
+    for _ in range(MAX_UNSEEN_AFTER_JUMP - 1):
+        monitor.count_push(repeats_pose=True, have_poses_jumped=True)
+        assert monitor.abort_cause is None
+    monitor.count_push(repeats_pose=True, have_poses_jumped=True)
+    assert monitor.abort_cause.values['count'] == MAX_UNSEEN_AFTER_JUMP < MAX_UNSEEN_PUSHES
