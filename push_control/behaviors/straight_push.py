@@ -19,6 +19,7 @@ from push_control.behaviors.obstacle_guard import (
 from push_control.behaviors.push_progress import (
     decide, MIN_SPEED, Miss, PushProgress, Stage, Steer, Stop, UNEXPECTED_DISTANCE, UNMEASURED)
 from push_control.behaviors.rollout_law import RolloutLaw
+from push_control.behaviors.walls_beside import walls_beside
 from push_control.perception.contact_consistency import Touch
 from push_control.perception.ensemble.contact_hypotheses import ContactHypotheses
 from push_control.perception.object_at_rest import Tap
@@ -31,7 +32,6 @@ from push_model.parameters import RoundRobot
 from push_model.signals import ObjectPose, STOP, Twist
 from push_model.trajectory import PushTrajectory
 from push_navigation.occupancy_map import OccupancyMap
-from push_navigation.wall_segments import map_walls
 from push_primitives.store import PushPrimitives
 from push_safety.status import SafetyReason, SafetyReport
 
@@ -132,11 +132,12 @@ class StraightPush(Behavior[TaskPerception]):
         self._line = target.straight_line()
         self._speed = pushing_speed(target)
         self._touch_speed = touch_speed(target)
-        self._law = RolloutLaw(
-            ensemble.members, primitives.cost_to_go, self._line.face, goal,
-            max(self._speed, 0.05),
-            () if self._map is None else map_walls(
-                self._map, ensemble.object_pose, self._line.length + WALL_RANGE))
+        walls = walls_beside(self._map, self._obj, ensemble.object_pose,
+                             self._line.length + WALL_RANGE)
+        # Of relative poses the place in the map is that of odometry, which drifts.
+        ensemble.set_walls(() if ensemble.is_relative else walls)
+        self._law = RolloutLaw(ensemble.members, primitives.cost_to_go, self._line.face, goal,
+                               max(self._speed, 0.05), walls)
         self._control = context.control
         self._progress = PushProgress(
             self._line.length, Steer(self._line.curvature, self._line.length),

@@ -16,6 +16,7 @@ from push_control.perception.ensemble.measurement_update import COUPLING_TIME
 from push_control.perception.ensemble.push_ensemble import PushEnsemble
 from push_control.perception.ensemble.slip_detector import SlipDetector, slippery_friction
 from push_control.perception.object_knowledge import ObjectKnowledge
+from push_dynamics.walls import Wall
 from push_model.geometry import FloatArray, Pose
 from push_model.signals import ObjectPose, Odometry
 
@@ -116,6 +117,16 @@ class ContactHypotheses(EnsembleReading):
         :param covariance: likewise.
         """
         return self._ensemble.contradicts(pose, covariance)
+
+    def set_walls(self, walls: Sequence[Wall]) -> None:
+        """
+        Let walls stop object and robot in all hypotheses from now on.
+
+        :param walls: none for open floor.
+        """
+        for alternative in self._alternatives:
+            alternative.ensemble.members.set_walls(walls)
+        self._ensemble.members.set_walls(walls)
 
     @property
     def time_since_contact(self) -> float:

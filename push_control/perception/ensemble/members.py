@@ -8,13 +8,15 @@ so that contact, rolling and sliding need no model of their own here.
 
 import dataclasses
 import math
-from typing import NamedTuple
+from typing import NamedTuple, Sequence
 
 import numpy as np
 from push_control.perception.ensemble.ensemble_update import read_poses, write_poses
 from push_dynamics import layout
 from push_dynamics.compiled import closest_on_polygon, kernel_array
 from push_dynamics.encoding import body_values, initial_state, NO_OUTLINE, support_rows
+from push_dynamics.touches import MAX_TOUCHES
+from push_dynamics.walls import Wall, wall_rows
 from push_model.contact import robot_gap
 from push_model.geometry import BoolArray, FloatArray, Pose
 from push_model.parameters import PushedObject, RoundRobot
@@ -209,6 +211,18 @@ class Members:
         self.wheel_creep[:] = other.wheel_creep
         self.apply_parameters()
         self._forget_poses()
+
+    def set_walls(self, walls: Sequence[Wall]) -> None:
+        """
+        Let walls stop objects and robots from now on.
+
+        :param walls: none for open floor.
+        """
+        self.worlds = self.worlds._replace(
+            walls=np.reshape(wall_rows(walls), (-1, layout.WALL_SIZE)),
+            touches=np.zeros((MAX_TOUCHES, layout.TOUCH_SIZE)))
+        # Distances to them are measured anew.
+        self.states[:, layout.WALL_SLACK] = 0.0
 
     def apply_parameters(self) -> None:
         """Bring the parameters within their ranges, and into the numbers of the dynamics."""

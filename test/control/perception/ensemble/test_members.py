@@ -9,6 +9,7 @@ from push_control.perception.ensemble.members import (
     ODOMETRY_ERRORS,
 )
 from push_dynamics import layout
+from push_dynamics.walls import Wall
 from push_model.friction import friction_center
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
@@ -37,6 +38,26 @@ def push_ahead(members, distance=0.2, steps=20, duration=0.05):
     """Drive all robots straight ahead."""
     for _ in range(steps):
         members.move(np.tile((distance / steps, 0.0, 0.0), (members.count, 1)), duration)
+
+
+def test_a_wall_stops_objects_where_the_plant_does() -> None:
+    """Members slide along it as their object would, and push as before once it is gone."""
+    wall = Wall(0.25, -1.0, 0.25, 1.0)
+    obj, turned = OBJECTS['box'], Pose(0.0, 0.0, 0.1)
+    plant = Plant(obj, ROBOT, turned, Pose(-0.40, 0.05, 0.1), walls=(wall,))
+    members = members_at(obj, Pose(-0.40, 0.05, 0.1), turned)
+    members.set_walls([wall])
+    for _ in range(40):
+        plant.advance(0.05, Twist(0.06, 0.0, 0.0))
+        step = members.mean_robot_pose.inverse() @ plant.robot_pose
+        members.move(np.tile(step, (COUNT, 1)), 0.05)
+    assert plant.object_pose.theta < 0.05, 'the wall has not turned the box'
+    np.testing.assert_allclose(members.object_poses, np.tile(plant.object_pose, (COUNT, 1)),
+                               atol=0.006)
+    before = members.mean_object_pose.x
+    members.set_walls(())
+    push_ahead(members, 0.1)
+    assert members.mean_object_pose.x > before + 0.08
 
 
 @pytest.mark.parametrize('obj', OBJECTS.values(), ids=OBJECTS)

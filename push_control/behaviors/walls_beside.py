@@ -1,0 +1,58 @@
+"""Walls beside a push: those of the map, moved off an object that overlaps them."""
+
+import dataclasses
+import math
+
+from push_dynamics.walls import Wall
+from push_model.geometry import Pose
+from push_model.parameters import PushedObject
+from push_navigation.occupancy_map import OccupancyMap
+from push_navigation.wall_segments import map_walls
+
+# Overlap of object and map that an error of the map explains [m]; chosen: cells of 5 cm with an
+# object against their wall. An object further inside stands on what the map has as occupied.
+MAX_OVERLAP = 0.05
+# Steps that move walls off an object, and that in which the clearance is differentiated [m];
+# chosen: two walls of a corner take two, and less than the error of a map.
+STEPS = 4
+DIFFERENCE = 0.002
+
+
+def walls_beside(occupancy_map: OccupancyMap | None, obj: PushedObject, object_pose: Pose,
+                 distance: float) -> tuple[Wall, ...]:
+    """
+    List the walls that a push may meet.
+
+    An object does not stand in a wall. Where it overlaps one of the map, the walls are moved off
+    it, by no more than ``MAX_OVERLAP``.
+
+    :param occupancy_map: the ``OccupancyMap``, or None for open floor.
+    :param object_pose: ``Pose`` of the object before the push.
+    :param distance: from there up to which walls count, along columns and rows of the map [m].
+    """
+    if occupancy_map is None:
+        return ()
+    walls = map_walls(occupancy_map, object_pose, distance)
+    x, y = _shift(occupancy_map, obj, object_pose)
+    if x == y == 0.0:
+        return walls
+    return tuple(dataclasses.replace(
+        wall, start_x=wall.start_x + x, start_y=wall.start_y + y, end_x=wall.end_x + x,
+        end_y=wall.end_y + y) for wall in walls)
+
+
+def _shift(occupancy_map: OccupancyMap, obj: PushedObject,
+           object_pose: Pose) -> tuple[float, float]:
+    """Find the least shift (x, y) of the map that has the object touch its walls [m]."""
+    x, y, theta = object_pose
+    for _ in range(STEPS):
+        clearance, along_x, along_y = occupancy_map.object_clearances(obj, [
+            (x, y, theta), (x + DIFFERENCE, y, theta), (x, y + DIFFERENCE, theta)]).tolist()
+        slope_x, slope_y = along_x - clearance, along_y - clearance
+        slope = math.hypot(slope_x, slope_y)
+        if clearance >= 0.0 or slope == 0.0:
+            break
+        x -= clearance * slope_x / slope
+        y -= clearance * slope_y / slope
+    shift = object_pose.x - x, object_pose.y - y
+    return shift if math.hypot(*shift) <= MAX_OVERLAP else (0.0, 0.0)

@@ -1,0 +1,55 @@
+"""Walls beside a push: those of the map, which no object stands in."""
+
+from helpers.objects import box
+import numpy as np
+from push_control.behaviors.walls_beside import MAX_OVERLAP, walls_beside
+from push_dynamics.walls import Wall
+from push_model.geometry import Pose
+from push_navigation.occupancy_map import OccupancyMap
+from push_navigation.wall_segments import map_walls
+import pytest
+
+# A room of 2 m, its inner walls at 0 and 2 m; the box has sides of 0.4 m.
+ROOM = OccupancyMap(0.05, Pose(-0.05, -0.05, 0.0),
+                    np.pad(np.zeros((40, 40), dtype=bool), 1, constant_values=True))
+HALF = 0.2
+
+
+def inner(walls: tuple[Wall, ...]) -> tuple[float, float]:
+    """Return x of the inner wall behind the origin, and y of that beside it [m]."""
+    long = [wall for wall in walls
+            if 1.9 < abs(wall.end_x - wall.start_x) + abs(wall.end_y - wall.start_y) < 2.01]
+    return (min(wall.start_x for wall in long if abs(wall.end_x - wall.start_x) < 1e-6),
+            min(wall.start_y for wall in long if abs(wall.end_y - wall.start_y) < 1e-6))
+
+
+@pytest.mark.parametrize('overlap', [-0.3, -0.001, 0.0])
+def test_an_object_beside_walls_leaves_them_where_they_are(overlap: float) -> None:
+    """Clear of them, or in touch within the rounding of the map."""
+    pose = Pose(HALF - overlap, 1.0, 0.0)
+    expected = np.array([(w.start_x, w.start_y, w.end_x, w.end_y) for w in map_walls(ROOM)])
+    walls = np.array([(w.start_x, w.start_y, w.end_x, w.end_y)
+                      for w in walls_beside(ROOM, box(), pose, 5.0)])
+    np.testing.assert_allclose(walls, expected, atol=0.002)
+
+
+@pytest.mark.parametrize('overlaps', [(0.02, 0.0), (0.0, 0.03), (0.025, 0.015)], ids=str)
+def test_walls_are_moved_to_where_an_object_in_them_touches_them(
+        overlaps: tuple[float, float]) -> None:
+    """By the overlap with each of them, in a corner by both."""
+    x, y = overlaps
+    pose = Pose(HALF - x if x else 1.0, HALF - y if y else 1.0, 0.0)
+    wall_x, wall_y = inner(walls_beside(ROOM, box(), pose, 5.0))
+    assert wall_x == pytest.approx(-x, abs=0.004)
+    assert wall_y == pytest.approx(-y, abs=0.004)
+
+
+def test_an_object_far_inside_what_is_occupied_moves_no_wall() -> None:
+    """No error of a map explains that."""
+    pose = Pose(HALF - 1.5 * MAX_OVERLAP, 1.0, 0.0)
+    assert walls_beside(ROOM, box(), pose, 5.0) == map_walls(ROOM, pose, 5.0)
+
+
+def test_there_are_none_on_open_floor() -> None:
+    """Without a map nothing stands in the way."""
+    assert walls_beside(None, box(), Pose(0.0, 0.0, 0.0), 5.0) == ()
