@@ -9,13 +9,13 @@ from helpers.ensemble_runs import (
 from helpers.objects import box
 import numpy as np
 from push_control.perception.ensemble.ensemble_state import OdometryNoise
-from push_control.perception.ensemble.measurement_update import MAX_OUTLIERS, MIN_STDS
+from push_control.perception.ensemble.measurement_update import LOST_STDS, MAX_OUTLIERS, MIN_STDS
 from push_control.perception.ensemble.pose_history import HISTORY_TIME
 from push_control.perception.ensemble.prediction import START_HEADING_STD, START_POSITION_STD
 from push_control.perception.ensemble.push_ensemble import PushEnsemble
 from push_model.friction import friction_center
 from push_model.geometry import Pose, wrap_angle
-from push_model.signals import ObjectPose, Odometry, STOP
+from push_model.signals import ObjectPose, Odometry, STOP, Twist
 from push_sim_node.sensors import SensorSettings
 import pytest
 
@@ -193,6 +193,22 @@ def test_an_object_that_somebody_moves_is_found_again():
         ensemble.update(ObjectPose(time + k * STEP, elsewhere))
     assert np.array(ensemble.object_pose) == pytest.approx(elsewhere, abs=1e-9)
     assert np.array_equal(ensemble.members.robot_poses, robots)
+
+
+def test_an_object_that_is_elsewhere_after_a_push_leaves_the_robot_uncertain() -> None:
+    """Where the robot touches it, both may be elsewhere; the law above has one that does not."""
+    ensemble = PushEnsemble(box(), ROBOT, CONTROL, NOISE)
+    pose, speed = Pose(-0.41, 0.0, 0.0), 0.15
+    for k in range(20):
+        pose = pose @ Pose(STEP * speed, 0.0, 0.0)
+        ensemble.predict(Odometry(k * STEP, pose, Twist(speed, 0.0, 0.0)))
+        if k < 3:
+            ensemble.update(ObjectPose(k * STEP, HOME))
+    assert ensemble.contact_ratio > 0.9
+    before = ensemble.position_deviation
+    for k in range(20, 20 + MAX_OUTLIERS):
+        ensemble.update(ObjectPose(k * STEP, Pose(0.4, 0.6, -2.0)))
+    assert math.hypot(before, 0.9 * LOST_STDS[0]) < ensemble.position_deviation
 
 
 def test_a_jump_of_a_pose_is_ignored():
