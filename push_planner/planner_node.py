@@ -50,7 +50,7 @@ class PlannerNode(ManagedNode):
 
     Publishers
         ``push_plan`` (JointTrajectory, latched); ``planned_path`` (Path, latched);
-        ``/diagnostics`` (DiagnosticArray).
+        ``planning_markers`` (MarkerArray, latched); ``/diagnostics`` (DiagnosticArray).
 
     Subscribers, while active
         ``odom`` (Odometry) and ``object_pose`` (PoseStamped, or PoseWithCovarianceStamped), best

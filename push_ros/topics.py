@@ -131,6 +131,9 @@ TOPICS = {
                      'object, robot, contact, friction cone, plan'),
     'plan_markers': Topic(MarkerArray, (CONTROLLER,), (), qos.LATCHED, qos.LATCHED,
                           'the plan, and the object at its goal'),
+    'planning_markers': Topic(MarkerArray, (PLANNER,), (), qos.LATCHED, qos.LATCHED,
+                              'planned pushes as numbered ghosts of the object, or what stands '
+                              'against a plan'),
     'footprint': Topic(PolygonStamped, (CONTROLLER,), (), qos.EVENT, qos.EVENT,
                        'outline of the robot, and of an object that it pushes'),
     'diagnostics': Topic(DiagnosticArray, (PLANNER, CONTROLLER, SIM, TRACKER, MOCAP), (),

@@ -80,6 +80,7 @@ class ActivePlanner:
         self._frame = frame
         self._plans = node.publisher('push_plan')
         self._paths = node.publisher('planned_path')
+        self._markers = node.publisher('planning_markers')
         self._tasks = TaskRequestHandler(parameters, self._frame)
         self._overruled = OverruledParameters(parameters.object)
         # They run while something is waited for.
@@ -294,6 +295,7 @@ class ActivePlanner:
                 publishes_failure: bool = True) -> ServiceAnswer:
         """Plan and publish; return whether there is a plan, and what was reported."""
         self._answering = stamp if publishes_failure else None
+        refusal: PlanningFailed | None = None
         try:
             text = plan()
             self._answering = None
@@ -301,10 +303,12 @@ class ActivePlanner:
         except MessageRefused as error:
             code, text = PlanFailure.INVALID_VALUE, self._report(ERROR, str(error))
         except PlanningFailed as failure:
-            code, text = failure.code, self._report_failure(failure)
+            code, text, refusal = failure.code, self._report_failure(failure), failure
         self._answering = None
         if publishes_failure:
             self._plans.publish(no_plan_message(code, stamp, self._frame))
+        if refusal is not None:
+            self._markers.publish(self._tasks.refusal_markers(self._last_request, refusal, stamp))
         return ServiceAnswer(False, text)
 
     def _plan_from_measurements(self, request: PlanRequest, stamp: Time) -> str:
@@ -347,7 +351,10 @@ class ActivePlanner:
         messages = self._tasks.messages(task_plan, stamp)
         self._plans.publish(messages.plan)
         self._paths.publish(messages.path)
-        return self._report(OK, *messages.description)
+        text = self._report(OK, *messages.description)
+        # Who waits for the plan does not wait for its picture.
+        self._markers.publish(self._tasks.markers(request, task_plan, stamp))
+        return text
 
     def _publish(self, choice: 'SiteChoice', robot_pose: Pose, stamp: Time) -> str:
         plan, trajectory = choice.plan, choice.plan.trajectory

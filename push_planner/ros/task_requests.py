@@ -6,17 +6,23 @@ from push_model.geometry import Pose
 from push_model.plan_request import PlanFailure, PlanRequest
 from push_navigation.footprint_clearing import FootprintClearing
 from push_navigation.occupancy_map import OccupancyMap
+from push_planner.planned_pushes import planned_pushes
 from push_planner.problem import PlanningFailed
 from push_planner.ros.parameters import PlannerParameters
+from push_planner.ros.planning_markers import pushes_markers, refusal_markers
 from push_planner.ros.primitive_loader import PrimitiveLoader
 from push_planner.straight.map_search.planner import warm_up as warm_up_search
 from push_planner.straight.map_search.remaining_pushes import RemainingPushes
 from push_planner.straight.planner import warm_up
 from push_planner.task_plan import TaskPlan
 from push_planner.task_planner import plan_for_request
+from push_ros.conversions.markers import MarkerHeader
 from push_ros.conversions.plan import to_path_message, to_plan_message
 from push_ros.conversions.plan_request import from_request_message
 from push_ros.map_reader import MapChange, MapReader, ReadMap
+
+# Namespace of the markers of what is planned.
+MARKERS = 'planning'
 
 
 class Description(NamedTuple):
@@ -52,6 +58,8 @@ class TaskRequestHandler:
         self._frame = frame
         self._map_reader = MapReader(frame, parameters.map_settings)
         self._map: ReadMap | None = None
+        # That of the last plan, without the footprints of object and robot.
+        self._planned_map: OccupancyMap | None = None
         self.clearing = FootprintClearing(parameters.map_settings, parameters.object,
                                           parameters.robot)
         self._cleared_object = parameters.object
@@ -145,10 +153,40 @@ class TaskRequestHandler:
         :raises PlanningFailed: where there is no plan.
         """
         parameters = self._parameters
+        self._planned_map = self._map_for(request)
         plan = plan_for_request(request, parameters.robot, parameters.planner, parameters.drive,
-                                self._map_for(request), remaining=self._remaining)
+                                self._planned_map, remaining=self._remaining)
         self._remaining = plan.remaining
         return plan
+
+    def markers(self, request: PlanRequest, task_plan: TaskPlan, stamp: Any) -> Any:
+        """
+        Draw the pushes of the last plan.
+
+        :param request: for which it was made.
+        :param stamp: ``builtin_interfaces/Time``.
+        :return: ``visualization_msgs/MarkerArray``.
+        """
+        parameters = self._parameters
+        pushes = planned_pushes(task_plan, request.obj, parameters.robot, parameters.drive,
+                                self._planned_map)
+        return pushes_markers(MarkerHeader(stamp, self._frame, MARKERS), request.obj,
+                              parameters.robot, pushes)
+
+    def refusal_markers(self, request: PlanRequest | None, failure: PlanningFailed,
+                        stamp: Any) -> Any:
+        """
+        Draw what stands against a plan.
+
+        :param request: that is refused; None where it cannot be read.
+        :param stamp: ``builtin_interfaces/Time``.
+        :return: ``visualization_msgs/MarkerArray``.
+        """
+        parameters = self._parameters
+        return refusal_markers(
+            MarkerHeader(stamp, self._frame, MARKERS),
+            parameters.object if request is None else request.obj, parameters.robot,
+            failure.marks)
 
     def _map_for(self, request: PlanRequest) -> OccupancyMap | None:
         """Return the map without the footprints of object and robot."""

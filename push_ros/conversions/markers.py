@@ -129,13 +129,78 @@ def plan_markers(header: MarkerHeader, trajectory: PushTrajectory) -> MarkerArra
     for name, poses, color in (('object', trajectory.object_poses, PLAN),
                                ('contact', trajectory.contact_poses, FORCE),
                                ('robot', trajectory.robot_poses, ROBOT)):
-        line = _marker(header, name, Marker.LINE_STRIP, ORIGIN, color)
-        _set_scale(line, LINE_WIDTH / 2)
-        # It stays until the next plan.
-        line.lifetime = Duration()
-        line.points = [_point(p) for p in poses[:, :2].tolist()]
-        lines.append(line)
+        lines.append(line_marker(header, name, poses[:, :2].tolist(), color))
     return MarkerArray(markers=lines)
+
+
+def line_marker(header: MarkerHeader, name: str, points: Sequence[Coordinates],
+                color: Color) -> Any:
+    """
+    Draw a line on the floor; it stays until it is replaced.
+
+    :param points: (x, y) along it [m].
+    :param color: (r, g, b).
+    """
+    line = _marker(header, name, Marker.LINE_STRIP, ORIGIN, color)
+    _set_scale(line, LINE_WIDTH / 2)
+    line.lifetime = Duration()
+    line.points = [_point(point) for point in points]
+    return line
+
+
+def disc_marker(header: MarkerHeader, name: str, pose: Coordinates, axes: tuple[float, float],
+                color: Color) -> Any:
+    """
+    Draw an ellipse on the floor, transparent; it stays until it is replaced.
+
+    :param pose: of its middle and its long axis.
+    :param axes: their whole lengths [m].
+    :param color: (r, g, b).
+    """
+    disc = _marker(header, name, Marker.CYLINDER, pose, color)
+    _set_scale(disc, max(axes[0], FLAT), max(axes[1], FLAT), FLAT)
+    disc.color.a = ELLIPSE_ALPHA
+    disc.lifetime = Duration()
+    return disc
+
+
+def label_marker(header: MarkerHeader, name: str, position: Coordinates, text: str,
+                 color: Color = INK) -> Any:
+    """
+    Write a text above a place; it stays until it is replaced.
+
+    :param position: (x, y) [m].
+    :param color: (r, g, b).
+    """
+    marker = _text(header, name, Pose(position[0], position[1], 0.0), text, color)
+    marker.lifetime = Duration()
+    return marker
+
+
+def outline_marker(header: MarkerHeader, name: str, obj: PushedObject, pose: Coordinates,
+                   color: Color) -> Any:
+    """
+    Draw the outline of an object; it stays until it is replaced.
+
+    :param pose: ``Pose`` of the object.
+    :param color: (r, g, b).
+    """
+    return line_marker(header, name, [Pose(*pose).transform(vertex)
+                                      for vertex in _closed_outline(obj)], color)
+
+
+def ring_marker(header: MarkerHeader, name: str, position: Coordinates, radius: float,
+                color: Color) -> Any:
+    """
+    Draw a circle on the floor; it stays until it is replaced.
+
+    :param position: (x, y) of its middle [m].
+    :param color: (r, g, b).
+    """
+    angles = [2.0 * math.pi / CIRCLE_VERTICES * index for index in range(CIRCLE_VERTICES + 1)]
+    return line_marker(header, name, [
+        (position[0] + radius * math.cos(angle), position[1] + radius * math.sin(angle))
+        for angle in angles], color)
 
 
 def text_markers(header: MarkerHeader, pose: Coordinates, text: str) -> MarkerArray:
@@ -145,11 +210,15 @@ def text_markers(header: MarkerHeader, pose: Coordinates, text: str) -> MarkerAr
     :param pose: ``Pose`` of the place.
     :param text: what is written.
     """
-    marker = _marker(header, 'text', Marker.TEXT_VIEW_FACING, pose, INK)
+    return MarkerArray(markers=[_text(header, 'text', pose, text, INK)])
+
+
+def _text(header: MarkerHeader, name: str, pose: Coordinates, text: str, color: Color) -> Any:
+    marker = _marker(header, name, Marker.TEXT_VIEW_FACING, pose, color)
     _set_scale(marker, 0.0, 0.0, TEXT_HEIGHT)
     marker.pose.position.z = TEXT_ELEVATION
     marker.text = text
-    return MarkerArray(markers=[marker])
+    return marker
 
 
 def _body(header: MarkerHeader, obj: PushedObject, pose: Coordinates, color: Color,

@@ -19,7 +19,7 @@ STAMP = struct.Struct('<iI')
 # Length of the array, before its first element.
 ARRAY_LENGTH = 4
 # Messages begin with their stamp; on these topics, the first element of their array does.
-ARRAY_TOPICS = 'markers', 'plan_markers'
+ARRAY_TOPICS = 'markers', 'plan_markers', 'planning_markers'
 TYPE_WITHOUT_STAMP = 'Twist'
 # Period of stamps at which a recording is written to the disk [ns]; chosen: what may be lost where
 # the process is killed.

@@ -7,6 +7,11 @@ import numpy as np
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot, Support
 from push_model.signals import ObjectEstimate, PoseCovariance
+from push_navigation.map_clearance import PositionEllipse
+from push_navigation.path import Path
+from push_planner.planned_pushes import PlannedPush
+from push_planner.refusal_marks import FaceMark, NarrowPlace, RefusalMarks
+from push_planner.ros.planning_markers import pushes_markers, refusal_markers
 from push_ros.conversions.footprint import (
     pushing_footprint, robot_footprint, to_footprint_message,
 )
@@ -87,3 +92,47 @@ def test_the_footprint_of_the_robot_alone_is_its_disc():
     distances = [math.hypot(point.x, point.y) for point in message.polygon.points]
     assert min(distances) >= 0.17 and max(distances) < 0.175
     assert robot_footprint(RoundRobot(math.inf, 'holonomic')) == [(0.0, 0.0)]
+
+
+def test_planned_pushes_are_ghosts_where_the_object_comes_to_stand() -> None:
+    """Each with its number and the robot's path to it; the next picture replaces this one."""
+    poses, start = [Pose(0.5, 0.1, 0.4), Pose(0.9, 0.6, 1.0)], Pose(-0.4, 0.0, 0.0)
+    pushes = [PlannedPush(pose, pose, start, Path((Pose(-2.0, 1.0, 0.0), start)))
+              for pose in poses]
+    pushes.append(PlannedPush(poses[0], poses[1], start, None))
+    first, *markers = pushes_markers(HEADER, BOX, ROBOT, pushes).markers
+    assert first.action == Marker.DELETEALL
+    assert len({(marker.ns, marker.id) for marker in markers}) == len(markers) == 4 + 4 + 3
+    drawn = {name: [marker for marker in markers if marker.ns.endswith(name)]
+             for name in ('objects', 'numbers', 'paths')}
+    for ghost, number, pose in zip(drawn['objects'], drawn['numbers'], poses):
+        corners = np.array([(point.x, point.y) for point in ghost.points[:-1]])
+        assert corners == pytest.approx(np.array(list(map(pose.transform, BOX.outline))))
+        assert (number.pose.position.x, number.pose.position.y) == pytest.approx(pose[:2])
+    assert [number.text for number in drawn['numbers']] == ['1', '2', '3']
+    for path in drawn['paths']:
+        assert (path.points[0].x, path.points[0].y) == pytest.approx((-2.0, 1.0))
+        assert (path.points[-1].x, path.points[-1].y) == pytest.approx(start[:2])
+    # They stay until they are replaced.
+    assert not any(marker.lifetime.sec or marker.lifetime.nanosec for marker in markers)
+
+
+def test_what_stands_against_a_plan_is_as_wide_as_it_is() -> None:
+    """Widths of the floor, the ellipse along its axis, a cross where the robot has no room."""
+    marks = RefusalMarks(
+        NarrowPlace(1.0, -2.0, 0.5, 0.8, PositionEllipse(0.2, 0.05, 0.5)),
+        (FaceMark(0.0, 1.0, True), FaceMark(1.0, 0.0, False)), POSE)
+    first, *markers = refusal_markers(HEADER, BOX, ROBOT, marks).markers
+    assert first.action == Marker.DELETEALL
+    assert len({(marker.ns, marker.id) for marker in markers}) == len(markers)
+    by_name = {(marker.ns.partition('/')[2], marker.id): marker for marker in markers}
+    free, ellipse = by_name['free', 0], by_name['position', 0]
+    assert (free.scale.x, free.scale.y) == (0.5, 0.5)
+    assert (ellipse.scale.x, ellipse.scale.y) == pytest.approx((0.8, 0.2))
+    assert from_pose_message(ellipse.pose, '') == pytest.approx((1.0, -2.0, 0.5))
+    for point in by_name['needed', 0].points:
+        assert math.hypot(point.x - 1.0, point.y + 2.0) == pytest.approx(0.4)
+    assert '0.50 m' in by_name['widths', 0].text and '0.80 m' in by_name['widths', 0].text
+    assert [index for name, index in by_name if name == 'crosses up'] == [1]
+    corners = np.array([(point.x, point.y) for point in by_name['overlap', 0].points[:-1]])
+    assert corners == pytest.approx(np.array(list(map(POSE.transform, BOX.outline))))

@@ -471,7 +471,7 @@ def planner(tmp_path_factory):
     parameters = {**PHYSICS, 'map.footprint_clearing_enabled': True}
     with bench(tmp_path_factory.mktemp('chain'), PLANNER, 'push_planner.planner_node',
                parameters) as b:
-        for topic in ('push_plan', 'planned_path', 'diagnostics'):
+        for topic in ('push_plan', 'planned_path', 'planning_markers', 'diagnostics'):
             b.subscribe(topic)
         b.wait_until(lambda: b.received['diagnostics'])
         yield b
@@ -490,7 +490,7 @@ def set_field(message, name, value):
 
 def answered(b, message):
     """Send a request and return the answer to it."""
-    for heard in ('push_plan', 'planned_path'):
+    for heard in ('push_plan', 'planned_path', 'planning_markers'):
         b.received[heard].clear()
     b.publish('push_request', message)
 
@@ -500,6 +500,11 @@ def answered(b, message):
                 if answer.header.stamp == message.header.stamp]
     b.wait_until(answers)
     return answers()[0]
+
+
+def drawn_texts(b):
+    """List the texts in pictures of plans and refusals."""
+    return [marker.text for drawn in b.received['planning_markers'] for marker in drawn.markers]
 
 
 def test_a_request_is_answered_with_the_next_push(planner):
@@ -519,6 +524,7 @@ def test_a_request_is_answered_with_the_next_push(planner):
     assert max(distance(*pair) for pair in zip(poses, poses[1:])) < 0.1
     planner.wait_until(lambda: any('has planned 1 push of expected' in text
                                    for text in texts(planner, PLANNER)))
+    planner.wait_until(lambda: '1' in drawn_texts(planner))
 
 
 def test_another_object_is_pushed_where_the_request_brings_it(planner, tmp_path_factory):
@@ -632,3 +638,4 @@ def test_a_map_is_kept_to(planner):
     assert plan_failure(answered(planner, request(4.0))) is PlanFailure.BLOCKED
     planner.wait_until(lambda: any('the floor is too narrow for the object' in error
                                    for error in errors(planner, PLANNER)))
+    planner.wait_until(lambda: any(text.endswith(' m needed') for text in drawn_texts(planner)))
