@@ -51,6 +51,8 @@ def make_parser() -> argparse.ArgumentParser:
     parser.add_argument('--json', action='store_true',
                         help='print the result as JSON in place of a table')
     parser.add_argument('--no-pictures', action='store_true', help='draw no PNG')
+    parser.add_argument('--gif', action='store_true',
+                        help='draw an animation (GIF) too: what comes next, and why')
     return parser
 
 
@@ -68,21 +70,25 @@ def _tidy(options: argparse.Namespace) -> int:
     print(result_json(result) if options.json else result_text(result),
           end='' if options.json else '\n', flush=True)
     if not options.no_pictures:
-        _draw(result, options.out)
+        _draw(result, options.out, is_animated=options.gif)
     return DONE if all(map(result.is_placed, result.poses)) else NOT_DONE
 
 
-def _draw(result: 'TidyResult', folder: Path) -> None:
-    """Draw the picture; without matplotlib, say how to install it."""
+def _draw(result: 'TidyResult', folder: Path, *, is_animated: bool) -> None:
+    """Draw the pictures; without matplotlib, say how to install it."""
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f'{result.room.name}.png'
     try:
+        from push_scenario.tidying.animation import draw_room_animation
         from push_scenario.tidying.picture import draw_room
     except ModuleNotFoundError as error:
         print(f'push tidy: no {path.name}: {how_to_install(error.name or "")}', file=sys.stderr)
         return
     draw_room(result, path)
     print(f'written: {path}', file=sys.stderr)
+    if is_animated:
+        draw_room_animation(result, path.with_suffix('.gif'))
+        print(f'written: {path.with_suffix(".gif")}', file=sys.stderr)
 
 
 class _Display:

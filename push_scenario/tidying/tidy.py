@@ -6,7 +6,7 @@ and planner read, and walls of the plant. One simulation makes all moves: odomet
 what was learned of each object is kept.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 import dataclasses
 import math
 from typing import NamedTuple
@@ -35,20 +35,6 @@ from push_tidy.tidy_supervisor import (
 MEAN_COUNT = 10
 
 
-class MoveResult(NamedTuple):
-    """
-    A move that was made.
-
-    :param move: the ``Move``.
-    :param run: ``RunResult`` of its pushes.
-    :param touched: names of standing objects that robot or pushed object touched.
-    """
-
-    move: Move
-    run: RunResult
-    touched: tuple[str, ...]
-
-
 class TidyProgress(NamedTuple):
     """
     Progress of a room.
@@ -56,11 +42,29 @@ class TidyProgress(NamedTuple):
     :param plan: ``OrderPlan`` of what remains; its first move is made now.
     :param placed: number of objects at their goals.
     :param goals: number of objects that have one.
+    :param poses: measured ``Pose`` of each object, by name.
     """
 
     plan: OrderPlan
     placed: int
     goals: int
+    poses: Mapping[str, Pose]
+
+
+class MoveResult(NamedTuple):
+    """
+    A move that was made.
+
+    :param move: the ``Move``.
+    :param run: ``RunResult`` of its pushes.
+    :param touched: names of standing objects that robot or pushed object touched.
+    :param progress: ``TidyProgress`` before it.
+    """
+
+    move: Move
+    run: RunResult
+    touched: tuple[str, ...]
+    progress: TidyProgress
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -122,12 +126,13 @@ def tidy(room: Room, *, progress: Callable[[TidyProgress], None] | None = None,
     run = _TidyRun(room)
     while True:
         move = supervisor.next_move(run.scene)
+        now = TidyProgress(supervisor.plan, supervisor.placed_count, supervisor.goal_count,
+                           run.scene.poses)
         if progress is not None:
-            progress(TidyProgress(supervisor.plan, supervisor.placed_count,
-                                  supervisor.goal_count))
+            progress(now)
         if move is None:
             return run.result(supervisor.failures())
-        result = run.make(move, run_progress)
+        result = run.make(move, now, run_progress)
         is_done = result.run.outcome is Outcome.DONE
         supervisor.end_move(move, None if is_done else result.run.reason)
         if after_move is not None:
@@ -167,7 +172,8 @@ class _TidyRun:
         return MeasuredScene(self._measured, robot_pose,
                              room.floor_map.read(room.task.map_reading))
 
-    def make(self, move: Move, progress: ProgressCallback | None) -> MoveResult:
+    def make(self, move: Move, now: TidyProgress,
+             progress: ProgressCallback | None) -> MoveResult:
         """Make a move, and measure where all are then."""
         before = self._simulated.poses
         scenario = self._scenario_of(move, before[move.name])
@@ -186,7 +192,7 @@ class _TidyRun:
             name for name, pose in before.items() if name != move.name and least_gap(
                 run.tape, scenario.true_object, scenario.robot.radius,
                 StandingObject(self._room.scenarios[name].true_object, pose)) < TOUCH_GAP)
-        result = MoveResult(move, run, touched)
+        result = MoveResult(move, run, touched, now)
         self._moves.append(result)
         self._measured = self._measure()
         return result
