@@ -13,6 +13,7 @@ not fit for a while is lost, and looked for elsewhere.
 """
 
 from collections import deque
+from collections.abc import Sequence
 import math
 
 import numpy as np
@@ -71,6 +72,7 @@ class LidarLocalizer:
         """
         self._settings = settings
         self._object = obj
+        self._standing: tuple[tuple[PushedObject, Pose], ...] = ()
         self._matcher: ScanMatcher | None = None
         self.reset()
 
@@ -140,6 +142,14 @@ class LidarLocalizer:
         """
         self._object = obj
 
+    def set_standing(self, standing: Sequence[tuple[PushedObject, Pose]]) -> None:
+        """
+        Leave out what sees objects that stand, too.
+
+        :param standing: ``PushedObject`` and ``Pose`` in the world of each.
+        """
+        self._standing = tuple(standing)
+
     def add_odometry(self, odometry: Odometry) -> None:
         """
         Take in odometry.
@@ -192,6 +202,8 @@ class LidarLocalizer:
         self._predict(scan.middle)
         if measured is not None and self._settings.sees_object:
             points = self._without_object(points, measured)
+        if self._standing and self._settings.sees_object:
+            points = self._without_standing(points)
         if len(points.points) < MIN_BEAMS:
             return None
         return self._match(matcher, points)
@@ -203,6 +215,14 @@ class LidarLocalizer:
             pose = Pose(*self._state[:3].tolist()).inverse() @ measured.pose
         return points.selected(
             ~sees_object(points, self._object, pose, self._settings.object_margin))
+
+    def _without_standing(self, points: ScanPoints) -> ScanPoints:
+        """Leave out what sees objects that stand."""
+        to_robot = Pose(*self._state[:3].tolist()).inverse()
+        for obj, pose in self._standing:
+            points = points.selected(
+                ~sees_object(points, obj, to_robot @ pose, self._settings.object_margin))
+        return points
 
     def _predict(self, time: float) -> None:
         """Move the state on by odometry."""

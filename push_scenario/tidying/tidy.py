@@ -185,6 +185,7 @@ class _TidyRun:
         self._memory.take_over(robot.supervisor)
         if self._localizer is not None:
             self._localizer.set_object(scenario.object)
+            self._localizer.set_standing(self._standing_beside(move.name))
         run = run_robot(simulation, robot, scenario, observation, progress=progress,
                         localizer=self._localizer)
         self._memory.keep(move.name, robot.supervisor, simulation.time)
@@ -220,9 +221,7 @@ class _TidyRun:
         room = self._room
         scenario = room.scenarios[move.name]
         floor = with_obstacles(
-            room.floor_map, room.task.map_reading,
-            [StandingObject(item.object, self._measured[name])
-             for name, item in room.scenarios.items() if name != move.name],
+            room.floor_map, room.task.map_reading, self._standing_beside(move.name),
             MARGIN_SIGMAS * scenario.sensors.pose_noise)
         reading = dataclasses.replace(room.task.map_reading, allow_unknown=False)
         return dataclasses.replace(
@@ -231,3 +230,8 @@ class _TidyRun:
             start=Start(object=Placement(*object_pose),
                         robot=Placement(*self._simulated.robot_pose)),
             goal=Placement(*move.end))
+
+    def _standing_beside(self, name: str) -> list[StandingObject]:
+        """List all objects but one, where they are measured."""
+        return [StandingObject(item.object, self._measured[other])
+                for other, item in self._room.scenarios.items() if other != name]

@@ -322,3 +322,20 @@ def test_the_helper_casts_what_it_should():
     """Straight ahead it measures the distance to the wall."""
     assert cast(CELLS, WORLD, Pose(1.0, 1.0, 0.0), np.array([0.0, math.pi]))[1] == pytest.approx(
         0.9, abs=3e-3)
+
+
+def test_what_stands_in_neither_map_nor_way_is_left_out():
+    """A box that stands in the room lowers the fit, unless the robot knows where it is."""
+    cells = CELLS.copy()
+    # Between 2.3 and 2.7 m, 1.3 and 1.7 m of the world.
+    cells[26:34, 46:54] = True
+    scan, fits = scan_at(cells, PLACE), {}
+    for known in (True, False):
+        localizer = make_localizer()
+        if known:
+            localizer.set_standing([(BOX, Pose(2.5, 1.5, 0.0))])
+        for index in range(FIT_COUNT):
+            place = stand(localizer, scan, PLACE, 0.1 * index)
+        fits[known] = localizer.mean_fit
+    assert np.abs(errors(place, PLACE)).max() < 0.01
+    assert fits[True] > 0.99 and fits[False] < 0.98
