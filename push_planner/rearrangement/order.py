@@ -62,6 +62,11 @@ class _Node(NamedTuple):
         """Object and place of the last move."""
         return (self.steps[-1].moved, self.steps[-1].place) if self.steps else None
 
+    @property
+    def moved_aside(self) -> int | None:
+        """Object that the last move has brought to a temporary place; None where it did not."""
+        return self.steps[-1].moved if self.steps and self.steps[-1].place > GOAL else None
+
     def after(self, index: int, place: int, option: MoveOption) -> '_Node':
         """Return the node to which a move leads."""
         step = _Step(index, place, self.layout, option.time)
@@ -136,16 +141,23 @@ class _OrderSearch:
         if not unplaced or self._is_dominated(node, unplaced):
             return
         count = len(self._times)
+        # What has just been moved aside was in the way of others, which come first.
+        aside = node.moved_aside
+        if not (self._move_to_goals(node, [index for index in unplaced if index != aside])
+                or self._move_to_goals(node, [index for index in unplaced if index == aside])):
+            self._move_aside(node, unplaced)
+        # Nothing more could be moved.
+        self._has_order |= len(self._times) == count
+
+    def _move_to_goals(self, node: _Node, indices: list[int]) -> bool:
+        """Move each of some objects to its goal; return whether one can be moved."""
         has_moved = False
-        for index in self._sorted(node, unplaced):
+        for index in self._sorted(node, indices):
             option = self._evaluate(node, index, GOAL)
             if option is not None:
                 has_moved = True
                 self._extend(node.after(index, GOAL, option))
-        if not has_moved:
-            self._move_aside(node, unplaced)
-        # Nothing more could be moved.
-        self._has_order |= len(self._times) == count
+        return has_moved
 
     def _note(self, node: _Node, unplaced: list[int]) -> None:
         """Keep the node where more objects are at their goals, or sooner, than in the best."""
