@@ -4,7 +4,6 @@ import sys
 from typing import Any, Mapping
 
 from push_control.ros.active_controller import ActiveController
-from push_control.ros.objects.catalogue import ObjectCatalogue
 from push_control.ros.parameters import (
     ControllerParameters, OBJECT_NAME, OBJECT_PREFIX, SECTIONS,
 )
@@ -13,6 +12,7 @@ from push_model.parameters import PushedObject
 from push_ros.diagnostics import WARN
 from push_ros.executor import run
 from push_ros.lifecycle import ManagedNode
+from push_ros.object_catalogue import ObjectCatalogue
 from push_ros.parameters import DYNAMIC, dynamic_parameters, IDLE
 from push_ros.topics import CONTROLLER
 from push_ros.transforms.world import WorldFrame

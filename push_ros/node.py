@@ -16,7 +16,7 @@ from push_ros.executor import (
 from push_ros.parameter_files import missed_section, parameter_files
 from push_ros.parameters import ParameterHooks, ParameterSet, Section
 from push_ros.publisher_names import publisher_name
-from push_ros.topics import SERVICES, TOPICS
+from push_ros.topics import SERVICES, topic_of_object, TOPICS
 from rcl_interfaces.msg import Log, SetParametersResult
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.clock import Clock
@@ -209,25 +209,27 @@ class PushNode(PolledNode):
         """Group of everything that rclpy makes by itself, and of what may wait."""
         return self.background
 
-    def publisher(self, topic: str, stamped: bool = True, *,
-                  with_covariance: bool = False) -> Publisher:
+    def publisher(self, topic: str, stamped: bool = True, *, with_covariance: bool = False,
+                  object_name: str = '') -> Publisher:
         """
         Make the publisher of a topic of the list; there is one for each.
 
         :param topic: its name.
         :param stamped: whether commands have a stamp.
         :param with_covariance: whether poses have a covariance.
+        :param object_name: of the object, where there are several with such a topic.
         """
-        if topic not in self._publishers_by_topic:
-            entry = TOPICS[topic]
-            self._publishers_by_topic[topic] = self.create_publisher(
-                entry.message_type(stamped, with_covariance=with_covariance),
-                f'/{topic}' if entry.is_global else topic, entry.publish_qos)
-        return self._publishers_by_topic[topic]
+        entry = TOPICS[topic]
+        name = f'/{topic}' if entry.is_global else topic_of_object(topic, object_name)
+        if name not in self._publishers_by_topic:
+            self._publishers_by_topic[name] = self.create_publisher(
+                entry.message_type(stamped, with_covariance=with_covariance), name,
+                entry.publish_qos)
+        return self._publishers_by_topic[name]
 
     def subscribe(self, topic: str, callback: Callable[[Any], None], *, real_time: bool = False,
                   stamped: bool = True, with_covariance: bool = False,
-                  frame: str | None = None,
+                  frame: str | None = None, object_name: str = '',
                   read: Callable[[bytes], Any] | None = None) -> Subscription:
         """
         Subscribe to a topic of the list.
@@ -238,6 +240,7 @@ class PushNode(PolledNode):
         :param stamped: whether commands have a stamp.
         :param with_covariance: whether poses have a covariance.
         :param frame: id of the frame beside which the callback takes whole messages all the same.
+        :param object_name: of the object, where there are several with such a topic.
         :param read: makes the message of its bytes; None for what the list says.
         """
         entry = TOPICS[topic]
@@ -252,7 +255,8 @@ class PushNode(PolledNode):
         group = self.real_time if real_time else self.background
         is_best_effort = entry.subscribe_qos.reliability is ReliabilityPolicy.BEST_EFFORT
         subscription = self.create_subscription(
-            kind, topic, callback, entry.subscribe_qos, callback_group=group,
+            kind, topic_of_object(topic, object_name), callback, entry.subscribe_qos,
+            callback_group=group,
             event_callbacks=NO_EVENTS if is_best_effort else None, raw=read is not None)
         self.topic_subscriptions.append((topic, subscription))
         if real_time:

@@ -2,7 +2,9 @@
 
 import dataclasses
 import math
+import re
 
+from push_model.plan_request import MAX_HEADING_TOLERANCE, MAX_TOLERANCE, MIN_TOLERANCE
 from push_model.quantity import check, MAX_ANGLE, quantity
 
 
@@ -20,6 +22,48 @@ class Frames:
         for field in dataclasses.fields(self):
             if not getattr(self, field.name):
                 raise ValueError(f'Frames.{field.name}: got an empty text, expected a frame id')
+
+
+# What the name of an object may be that has topics of its own.
+TOPIC_NAME = re.compile(r'[A-Za-z][A-Za-z0-9_]*')
+
+
+@dataclasses.dataclass(frozen=True)
+class NamedTopics:
+    """One of several objects, which has topics of its own."""
+
+    name: str = quantity('name of one of several objects, which is that of its file, too')
+
+    def __post_init__(self):
+        """Validate the fields."""
+        check(self)
+        check_topic_name('NamedTopics.name', self.name)
+
+
+def check_topic_name(field: str, name: str) -> None:
+    """
+    Check that a name can be part of that of a topic.
+
+    :param field: what errors call it.
+    :raises ValueError: naming it.
+    """
+    if not TOPIC_NAME.fullmatch(name):
+        raise ValueError(f'{field}: got {name!r}, expected letters, digits and _')
+
+
+@dataclasses.dataclass(frozen=True)
+class SimulatedObject:
+    """One of several objects of a simulation."""
+
+    name: str = quantity('name of one of several simulated objects, which is that of its file')
+    x: float = quantity('its position at the start', 'm', -1e4, 1e4)
+    y: float = quantity('the same, y', 'm', -1e4, 1e4)
+    theta: float = quantity('its heading at the start', 'rad', -MAX_ANGLE, MAX_ANGLE, default=0.0)
+
+    def __post_init__(self):
+        """Validate the fields."""
+        check(self)
+        check_topic_name('SimulatedObject.name', self.name)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -59,6 +103,8 @@ class ControllerOptions:
     object_name: str = quantity('object file in place of object.*; empty: none', default='')
     object_folder: str = quantity('folder of object files, before config/objects; empty: none',
                                   default='')
+    objects: tuple[NamedTopics, ...] = quantity(
+        'several objects, whose poses come on objects/NAME/object_pose', default=())
     knowledge_file: str = quantity('YAML file that keeps what tasks learn of objects; empty: none',
                                    default='')
     base_file: str = quantity('YAML file that keeps what is learned of the base; empty: none',
@@ -165,6 +211,34 @@ class TrackerOptions:
 
 
 @dataclasses.dataclass(frozen=True)
+class TidyOptions:
+    """Options of the node that brings several objects to their goals."""
+
+    objects: tuple[NamedTopics, ...] = quantity(
+        'the objects, whose poses come on objects/NAME/object_pose')
+    object_folder: str = quantity('folder of object files, before config/objects; empty: none',
+                                  default='')
+    pose_count: int = quantity('poses of an object at rest that are averaged', '', 1, 10_000,
+                               default=10)
+    position_tolerance: float = quantity('distance from a goal that counts as there', 'm',
+                                         MIN_TOLERANCE, MAX_TOLERANCE, default=0.01)
+    heading_tolerance: float = quantity('heading error that does', 'rad', MIN_TOLERANCE,
+                                        MAX_HEADING_TOLERANCE, default=0.0175)
+    object_pose_with_covariance: bool = quantity(
+        'object poses are PoseWithCovarianceStamped, else PoseStamped', default=False)
+    transform_timeout: float = quantity('longest wait of a message for its transform', 's', 0.0,
+                                        10.0, default=0.3)
+
+    def __post_init__(self):
+        """Validate the fields."""
+        check(self)
+        names = [entry.name for entry in self.objects]
+        if not names or len(set(names)) < len(names):
+            raise ValueError(f'TidyOptions.objects.name: got {names}, expected different names, '
+                             'at least one')
+
+
+@dataclasses.dataclass(frozen=True)
 class MocapOptions:
     """Frames of the odometry that is made of motion capture."""
 
@@ -205,6 +279,11 @@ class SimOptions:
         'object pose (x, y, theta) at the start', 'm, m, rad', default=(0.0, 0.0, 0.0))
     robot_start: tuple[float, float, float] = quantity(
         'robot pose (x, y, theta) at the start', 'm, m, rad', default=(0.0, 0.0, 0.0))
+    objects: tuple[SimulatedObject, ...] = quantity(
+        'several objects in place of object.*, whose poses come on objects/NAME/object_pose',
+        default=())
+    object_folder: str = quantity('folder of object files, before config/objects; empty: none',
+                                  default='')
     tape_path: str = quantity('tape (CSV) that is written at the end; empty: none', default='')
 
     def __post_init__(self):

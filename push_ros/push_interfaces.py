@@ -3,8 +3,9 @@
 import importlib
 from typing import Any, NamedTuple
 
-# Names of the action and of the topic, relative to the namespace of the controller.
+# Names of the actions and of the topic, relative to the namespace of the controller.
 ACTION = 'push_object'
+TIDY_ACTION = 'push_objects'
 STATUS = 'push_status'
 
 
@@ -14,17 +15,23 @@ class PushInterfaces(NamedTuple):
 
     :param action: ``PushObject``.
     :param status: ``PushStatus``.
+    :param tidy_action: ``PushObjects``.
+    :param object_status: ``ObjectStatus``.
     """
 
     action: Any
     status: Any
+    tidy_action: Any
+    object_status: Any
 
 
 def import_push_interfaces() -> PushInterfaces | None:
     """Import the types of ``push_control_msgs``; None where it is not installed."""
     try:
-        return PushInterfaces(importlib.import_module('push_control_msgs.action').PushObject,
-                              importlib.import_module('push_control_msgs.msg').PushStatus)
+        actions = importlib.import_module('push_control_msgs.action')
+        messages = importlib.import_module('push_control_msgs.msg')
+        return PushInterfaces(actions.PushObject, messages.PushStatus, actions.PushObjects,
+                              messages.ObjectStatus)
     except (ImportError, AttributeError):
         # The second where only the folder with the definitions is found.
         return None

@@ -12,12 +12,17 @@ import sys
 from typing import NamedTuple
 from xml.etree import ElementTree
 
-from push_ros.push_interfaces import ACTION, STATUS
-from push_ros.topics import CONTROLLER, MOCAP, PLANNER, SERVICES, SIM, TOPICS, TRACKER
+from push_ros.push_interfaces import ACTION, STATUS, TIDY_ACTION
+from push_ros.topics import (
+    CONTROLLER, MOCAP, PLANNER, SERVICES, SIM, TIDY, topic_of_object, TOPICS, TRACKER)
 
 VERSION = '0.2.0'
 DONE = 0
-NODES = PLANNER, CONTROLLER, SIM, TRACKER, MOCAP
+NODES = PLANNER, CONTROLLER, SIM, TRACKER, MOCAP, TIDY
+# Who offers which action.
+ACTIONS = {CONTROLLER: ACTION, TIDY: TIDY_ACTION}
+# Topic of the poses of any of several objects.
+POSES_OF_OBJECTS = topic_of_object('object_pose', '*')
 # What rclpy opens for every node, and for one with a lifecycle.
 PUBLISHED = '/rosout', '/parameter_events'
 SUBSCRIBED = '/clock',
@@ -30,7 +35,7 @@ LIFECYCLE_SERVICES = tuple(f'~/{name}' for name in (
     'change_state', 'get_available_states', 'get_available_transitions', 'get_state',
     'get_transition_graph'))
 # Who asks for transforms, and who publishes them.
-LISTENERS = PLANNER, CONTROLLER, TRACKER, MOCAP
+LISTENERS = PLANNER, CONTROLLER, TRACKER, MOCAP, TIDY
 BROADCASTERS = CONTROLLER, SIM
 TRANSFORMS = '/tf', '/tf_static'
 
@@ -44,6 +49,7 @@ class Permissions(NamedTuple):
     :param reply: services that it offers.
     :param request: services of others that it calls.
     :param execute: actions that it offers.
+    :param call: actions of others whose client it is.
     """
 
     publish: frozenset[str]
@@ -51,6 +57,7 @@ class Permissions(NamedTuple):
     reply: frozenset[str]
     request: frozenset[str]
     execute: frozenset[str]
+    call: frozenset[str]
 
 
 def permissions_of(node: str, requests: Iterable[str] = ()) -> Permissions:
@@ -70,6 +77,10 @@ def permissions_of(node: str, requests: Iterable[str] = ()) -> Permissions:
         subscribe.update(TRANSFORMS)
     if node in BROADCASTERS:
         publish.add(TRANSFORMS[0])
+    if node in (CONTROLLER, TIDY):
+        subscribe.add(POSES_OF_OBJECTS)
+    if node in TOPICS['object_pose'].publishers:
+        publish.add(POSES_OF_OBJECTS)
     is_controller = node == CONTROLLER
     if is_controller:
         publish.add(STATUS)
@@ -78,7 +89,8 @@ def permissions_of(node: str, requests: Iterable[str] = ()) -> Permissions:
     return Permissions(
         frozenset({*publish, *PUBLISHED}), frozenset({*subscribe, *SUBSCRIBED}),
         frozenset({*reply, *SERVED}), frozenset(requests if is_controller else ()),
-        frozenset({ACTION} if is_controller else ()))
+        frozenset({ACTIONS[node]} if node in ACTIONS else ()),
+        frozenset({ACTION} if node == TIDY else ()))
 
 
 def _topic_name(name: str) -> str:
@@ -103,7 +115,7 @@ def policy(namespace: str = '/', requests: Iterable[str] = ()) -> str:
         for kind, verb, names in (
                 ('topic', 'publish', allowed.publish), ('topic', 'subscribe', allowed.subscribe),
                 ('service', 'reply', allowed.reply), ('service', 'request', allowed.request),
-                ('action', 'execute', allowed.execute)):
+                ('action', 'execute', allowed.execute), ('action', 'call', allowed.call)):
             _add_names(profile, kind, verb, names)
     ElementTree.indent(root)
     return ElementTree.tostring(root, encoding='unicode', xml_declaration=True)

@@ -18,7 +18,8 @@ NODES = {'controller': ('push_control.controller_node', 'ControllerNode'),
          'planner': ('push_planner.planner_node', 'PlannerNode'),
          'mocap_odometry': ('push_tracker.mocap_node', 'MocapNode'),
          'sim': ('push_sim_node.sim_node', 'SimNode'),
-         'tf_tracker': ('push_tracker.tracker_node', 'TrackerNode')}
+         'tf_tracker': ('push_tracker.tracker_node', 'TrackerNode'),
+         'tidy': ('push_tidy.tidy_node', 'TidyNode')}
 # A node with options of its own, which its function main reads.
 VIEW = 'push_view.view_node'
 PUSH = 'push_ros.command_line'
@@ -54,6 +55,11 @@ def mocap_odometry() -> int:
 def tf_tracker() -> int:
     """Run the tracker; return its exit status."""
     return start('tf_tracker')
+
+
+def tidy() -> int:
+    """Run the node for several objects; return its exit status."""
+    return start('tidy')
 
 
 def view(words: list[str] | None = None) -> int:

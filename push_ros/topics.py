@@ -19,6 +19,7 @@ PLANNER = 'push_planner'
 CONTROLLER = 'push_controller'
 SIM = 'push_sim'
 TRACKER = 'push_tracker'
+TIDY = 'push_tidy'
 MOCAP = 'mocap_odometry'
 
 
@@ -81,6 +82,16 @@ class Service(NamedTuple):
     description: str
 
 
+def topic_of_object(topic: str, object_name: str) -> str:
+    """
+    Name the topic of one of several objects.
+
+    :param topic: its name in the list.
+    :param object_name: of the object; empty where there is but one.
+    """
+    return f'objects/{object_name}/{topic}' if object_name else topic
+
+
 def interface_name(kind: type) -> str:
     """
     Name a message or service type as ``ros2 interface`` does.
@@ -92,12 +103,13 @@ def interface_name(kind: type) -> str:
 
 
 TOPICS = {
-    'odom': Topic(Odometry, (SIM, MOCAP), (PLANNER, CONTROLLER), qos.MEASUREMENT, qos.SENSOR,
+    'odom': Topic(Odometry, (SIM, MOCAP), (PLANNER, CONTROLLER, TIDY), qos.MEASUREMENT, qos.SENSOR,
                   'robot pose in the world frame, velocity in robot axes'),
-    'object_pose': Topic(PoseStamped, (SIM, TRACKER), (PLANNER, CONTROLLER), qos.MEASUREMENT,
-                         qos.SENSOR,
+    'object_pose': Topic(PoseStamped, (SIM, TRACKER), (PLANNER, CONTROLLER, TIDY),
+                         qos.MEASUREMENT, qos.SENSOR,
                          'measured object pose; PoseWithCovarianceStamped with '
-                         'object_pose_with_covariance'),
+                         'object_pose_with_covariance; of several objects '
+                         'objects/NAME/object_pose each'),
     'scan': Topic(LaserScan, (SIM,), (CONTROLLER,), qos.MEASUREMENT, qos.SENSOR,
                   "scan of the robot's lidar, with place.source scan", is_optional=True),
     'place': Topic(PoseWithCovarianceStamped, (), (CONTROLLER,), qos.MEASUREMENT, qos.SENSOR,
@@ -107,7 +119,9 @@ TOPICS = {
                         'pose of the rigid body on the robot, as motion capture has it'),
     'goal_pose': Topic(PoseStamped, (), (CONTROLLER,), qos.EVENT, qos.EVENT,
                        "goal pose of the object; RViz's 2D Goal Pose"),
-    'map': Topic(OccupancyGrid, (), (PLANNER, CONTROLLER), qos.LATCHED, qos.LATCHED,
+    'room_map': Topic(OccupancyGrid, (), (TIDY,), qos.LATCHED, qos.LATCHED,
+                      'free floor of a room without its objects'),
+    'map': Topic(OccupancyGrid, (TIDY,), (PLANNER, CONTROLLER), qos.LATCHED, qos.LATCHED,
                  'free floor of a task; everything outside is an obstacle'),
     'push_request': Topic(
         JointTrajectory, (CONTROLLER,), (PLANNER,), qos.LATCHED, qos.LATCHED,
@@ -136,7 +150,7 @@ TOPICS = {
                               'against a plan'),
     'footprint': Topic(PolygonStamped, (CONTROLLER,), (), qos.EVENT, qos.EVENT,
                        'outline of the robot, and of an object that it pushes'),
-    'diagnostics': Topic(DiagnosticArray, (PLANNER, CONTROLLER, SIM, TRACKER, MOCAP), (),
+    'diagnostics': Topic(DiagnosticArray, (PLANNER, CONTROLLER, SIM, TRACKER, MOCAP, TIDY), (),
                          qos.STATUS, qos.STATUS,
                          'state of each node, and why it stops, on /diagnostics',
                          is_global=True),

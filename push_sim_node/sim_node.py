@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from builtin_interfaces.msg import Time
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
-from push_model.signals import Odometry, STOP
+from push_model.signals import ObjectPose, Odometry, STOP
 from push_ros.conversions.primitives import (
     check_frame, from_pose_message, from_twist_message, MessageRefused, nanoseconds,
 )
@@ -17,8 +17,10 @@ from push_ros.diagnostics import ERROR, OK, WARN
 from push_ros.executor import run
 from push_ros.node import PushNode, ServiceAnswer
 from push_ros.node_settings import Frames, SimOptions
+from push_ros.object_catalogue import ObjectCatalogue
 from push_ros.parameters import DYNAMIC
 from push_ros.topics import SIM
+from push_sim_node.room_simulation import PlacedObject, RoomSimulation
 from push_sim_node.ros.lockstep import MeasurementExchange
 from push_sim_node.ros.outputs import PublishedMeasurement, SimOutputs
 from push_sim_node.ros.pacing import Pacer, SpeedMeter, StampLag
@@ -72,11 +74,12 @@ class SimNode(PushNode):
     def __init__(self) -> None:
         super().__init__(SIM, SECTIONS, SETTABLE)
         obj, robot, sensors, settings, self._frames, self._options = self.settings
+        self._room = self._make_room(robot, settings, sensors)
         # Where time keeps to the wall there is little to compute: not worth loading machine code.
-        self._simulation = Simulation(obj, robot, Pose(*self._options.object_start),
-                                      Pose(*self._options.robot_start), settings, sensors,
-                                      interpret=not self._options.lockstep)
-        self._outputs = SimOutputs(self, obj, robot, sensors, self._frames, self._options)
+        self._simulation = self._room.simulation if self._room else Simulation(
+            obj, robot, Pose(*self._options.object_start), Pose(*self._options.robot_start),
+            settings, sensors, interpret=not self._options.lockstep)
+        self._outputs = SimOutputs(self, robot, sensors, self._frames, self._options)
         self._latencies: list[float] = []
         self._hold()
         self.subscribe('cmd_vel', self._on_command, real_time=True,
@@ -84,6 +87,21 @@ class SimNode(PushNode):
         self.subscribe('initialpose', self._on_initial_pose)
         self.serve_trigger('sim/start', self._start)
         self.serve_trigger('sim/reset', self._reset)
+
+    def _make_room(self, robot: RoundRobot, settings: SimulationSettings,
+                   sensors: SensorSettings) -> RoomSimulation | None:
+        """Place several objects; return None where there is but one."""
+        options = self._options
+        if not options.objects:
+            return None
+        catalogue = ObjectCatalogue(options.object_folder)
+        try:
+            objects = {entry.name: PlacedObject(catalogue.find(entry.name),
+                                                Pose(entry.x, entry.y, entry.theta))
+                       for entry in options.objects}
+        except ValueError as error:
+            self.refuse_to_start(f'objects.name: {error}')
+        return RoomSimulation(objects, robot, Pose(*options.robot_start), settings, sensors)
 
     def on_settings_changed(self) -> None:
         """Let time run at another pace, from now on."""
@@ -127,10 +145,10 @@ class SimNode(PushNode):
 
     def _hold(self, object_pose: Pose | None = None) -> None:
         reached = self._simulation.time
-        self._simulation.reset(object_pose)
+        self._restart(object_pose)
         self._outputs.keep_clock(reached)
         self._first_measurements = self._take_first_measurements()
-        self._simulation.reset(object_pose)
+        self._restart(object_pose)
         self._computed: Measurement | None = None
         self._in_flight: _InFlight | None = None
         # Simulated time of the last command, where that was to move [s].
@@ -145,6 +163,14 @@ class SimNode(PushNode):
         self._stamp_lag = StampLag()
         self._wake_time = 0.0
         self._report(OK, 'holds time')
+
+    def _restart(self, object_pose: Pose | None) -> None:
+        """Restart at time 0."""
+        if self._room is None:
+            self._simulation.reset(object_pose)
+            return
+        self._room.reset()
+        self._simulation = self._room.simulation
 
     def _take_first_measurements(self) -> list[Measurement]:
         """Let time go on to the first odometry, which comes after the first pose in the world."""
@@ -167,7 +193,7 @@ class SimNode(PushNode):
             self._outputs.restart_time()
             self._outputs.publish_clock(0.0)
             for measurement in self._first_measurements:
-                self._outputs.publish_measurement(measurement)
+                self._publish_measurement(measurement)
         elif action is RunAction.START:
             self._outputs.restart_time()
             self._pacer = Pacer(self._options.time_scale, now)
@@ -193,7 +219,7 @@ class SimNode(PushNode):
         if self._computed is None:
             if self._has_ended():
                 return
-            self._computed = self._simulation.next_measurement()
+            self._computed = self._next_measurement()
         due = self._pacer.due(self._simulation.time)
         if now < due:
             self._outputs.publish_clock(self._pacer.time(now))
@@ -256,7 +282,7 @@ class SimNode(PushNode):
 
     def _publish_next(self, now: float) -> None:
         if not self._has_ended():
-            self._publish(self._simulation.next_measurement(), now)
+            self._publish(self._next_measurement(), now)
 
     def _publish(self, measurement: Measurement, now: float) -> None:
         self._computed = None
@@ -265,13 +291,29 @@ class SimNode(PushNode):
             self._simulation.rows.clear()
             self._latencies.clear()
         sent = time.monotonic()
-        published = self._outputs.publish_measurement(measurement)
-        self._in_flight = _InFlight(published, sent, is_timed=published.topic == 'object_pose')
+        published = self._publish_measurement(measurement)
+        self._in_flight = _InFlight(published, sent, is_timed=isinstance(measurement, ObjectPose))
         self._exchange.sent(published.stamp, now)
         # While the controller computes its command.
         self._outputs.publish_scene(self._simulation)
         if not self._options.lockstep:
             self._wake_time = now + COMMAND_GRACE / max(1.0, self._pacer.scale)
+
+    def _publish_measurement(self, measurement: Measurement) -> PublishedMeasurement:
+        """Publish a measurement; with a pose of one of several objects those of all others."""
+        room = self._room
+        if room is None:
+            return self._outputs.publish_measurement(measurement)
+        if isinstance(measurement, ObjectPose):
+            for name, pose in room.measure_standing(measurement.time).items():
+                self._outputs.publish_standing(name, pose)
+        return self._outputs.publish_measurement(measurement, room.pushed)
+
+    def _next_measurement(self) -> Measurement:
+        """Let time go on; of several objects the one can be pushed that the robot is nearest."""
+        if self._room is not None:
+            self._room.turn_to_nearest()
+        return self._simulation.next_measurement()
 
     def _on_command(self, message: Any) -> None:
         now = time.monotonic()
@@ -307,6 +349,8 @@ class SimNode(PushNode):
     def _on_initial_pose(self, message: Any) -> None:
         try:
             check_frame(message.header.frame_id, self._frames.world_frame, 'initialpose')
+            if self._room is not None:
+                raise ValueError('initialpose: got one, expected none with several objects')
             self._hold(from_pose_message(message.pose.pose, 'initialpose'))
         except (MessageRefused, ValueError) as error:
             self._report(ERROR, str(error))

@@ -17,9 +17,10 @@ from push_model.files.flat_values import parameter_specs, ParameterSpec
 from push_planner import planner_node
 from push_ros.conversions.plan import FAILURE_CODES
 from push_ros.topics import (
-    CONTROLLER, interface_name, MOCAP, PLANNER, SERVICES, SIM, Topic, TOPICS, TRACKER,
+    CONTROLLER, interface_name, MOCAP, PLANNER, SERVICES, SIM, TIDY, Topic, TOPICS, TRACKER,
 )
 from push_sim_node import sim_node
+from push_tidy import tidy_node
 from push_tracker import mocap_node, tracker_node
 from push_view import view_node
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -33,6 +34,7 @@ GROUPS: dict[str, Sequence[tuple[str, type]]] = {
     SIM: sim_node.SECTIONS,
     TRACKER: tracker_node.SECTIONS,
     MOCAP: mocap_node.SECTIONS,
+    TIDY: tidy_node.SECTIONS,
     view_node.NAME: view_node.SECTIONS,
 }
 

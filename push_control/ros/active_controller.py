@@ -16,7 +16,6 @@ from push_control.ros.commands import CommandPublisher
 from push_control.ros.exclusion_zones import ExclusionZones
 from push_control.ros.goal_entry import GoalEntry
 from push_control.ros.measurements import LatestMeasurements, OdometryState
-from push_control.ros.objects.catalogue import ObjectCatalogue
 from push_control.ros.other_commanders import OtherCommanders
 from push_control.ros.parameters import ControllerParameters, OBJECT_NAME, OBJECT_PREFIX
 from push_control.ros.push_action import GoalReceiver, ObjectSelector, PushActionServer
@@ -34,6 +33,7 @@ from push_ros.conversions.primitives import MessageRefused, seconds
 from push_ros.diagnostics import ERROR, OK, WARN
 from push_ros.lifecycle import ManagedNode
 from push_ros.node import ServiceAnswer
+from push_ros.object_catalogue import ObjectCatalogue
 from push_ros.push_interfaces import ACTION, import_push_interfaces
 from push_ros.qos import QUEUE_DEPTH
 from push_ros.topic_watch import TopicWatch
@@ -108,11 +108,11 @@ class ActiveController:
         """Subscribe, and wait for a goal."""
         node, world, frames = self._node, self._world, self._parameters.frames
         node.subscribe('odom', self.on_odometry, real_time=True)
-        node.subscribe('object_pose', world.receiver('object_pose', Handlers(
-            self.on_object_pose, self._refuse_measurement,
-            accept_relative=self.on_relative_pose)), real_time=True,
-            with_covariance=self._parameters.options.object_pose_with_covariance,
-            frame=frames.world_frame)
+        for name in [entry.name for entry in self._parameters.options.objects] or ['']:
+            node.subscribe(
+                'object_pose', self._pose_receiver(name), real_time=True, object_name=name,
+                with_covariance=self._parameters.options.object_pose_with_covariance,
+                frame=frames.world_frame)
         self._subscribe_place()
         node.subscribe('push_plan', self.on_plan, real_time=True)
         node.subscribe('goal_pose', world.receiver('goal_pose', Handlers(
@@ -130,6 +130,22 @@ class ActiveController:
         self._topics = TopicWatch(node, self._awaited_topics)
         self._report_status()
         self._base.run(self._report_base)
+
+    def _pose_receiver(self, name: str) -> Callable[[Any], None]:
+        """
+        Make what receives the poses of an object; those of others than the present one are left.
+
+        :param name: of one of several objects; empty where there is but one.
+        """
+        receive = self._world.receiver(
+            f'object_pose of {name}' if name else 'object_pose', Handlers(
+                self.on_object_pose, self._refuse_measurement,
+                accept_relative=self.on_relative_pose))
+
+        def receive_present(message: Any) -> None:
+            if name in ('', self._parameters.named_object[0]):
+                receive(message)
+        return receive_present if name else receive
 
     def _subscribe_place(self) -> None:
         """Subscribe to what measures the place of the robot in the map, if anything does."""

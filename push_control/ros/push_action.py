@@ -22,9 +22,10 @@ from push_model.signals import PoseDeviation
 from push_ros import qos
 from push_ros.conversions.measurements import from_object_pose_message
 from push_ros.conversions.primitives import MessageRefused, seconds, to_stamp
+from push_ros.deferring_server import DeferringActionServer
 from push_ros.node import PushNode, RateLimiter
 from push_ros.push_interfaces import ACTION, PushInterfaces, STATUS
-from rclpy.action.server import ActionServer, CancelResponse, GoalResponse, ServerGoalHandle
+from rclpy.action.server import CancelResponse, GoalResponse, ServerGoalHandle
 
 # Feedback and status per second of measured time without a change [Hz]; chosen: smooth for a
 # progress bar, few beside a hundred measurements per second.
@@ -60,25 +61,6 @@ class ObjectSelector(NamedTuple):
     use: Callable[[str, PushedObject], None]
 
 
-class _DeferringServer(ActionServer):
-    """
-    An action server whose goals are pursued by somebody else, with the measurements.
-
-    rclpy would run a callback until the end of the goal: in a thread of its own, or resumed at
-    every turn of the executor, which never waits then.
-    """
-
-    def notify_execute(self, goal_handle: ServerGoalHandle,
-                       execute_callback: Callable[[ServerGoalHandle], Any] | None) -> None:
-        """
-        Run a callback that is given, which makes the result; do nothing at the beginning.
-
-        :param execute_callback: takes it and returns the result; None at the beginning.
-        """
-        if execute_callback is not None:
-            super().notify_execute(goal_handle, execute_callback)
-
-
 class PushActionServer:
     """Serves ``push_object``, and publishes ``push_status``."""
 
@@ -106,8 +88,8 @@ class PushActionServer:
         self._last_state: tuple[PushState, str] | None = None
         self._rate = RateLimiter(FEEDBACK_RATE)
         self._status_publisher = node.create_publisher(interfaces.status, STATUS, qos.LATCHED)
-        self._server = _DeferringServer(
-            node, interfaces.action, ACTION, _no_result, goal_callback=self._answer_goal,
+        self._server = DeferringActionServer(
+            node, interfaces.action, ACTION, goal_callback=self._answer_goal,
             handle_accepted_callback=self._on_goal, cancel_callback=self._on_cancel)
 
     def set_object(self, name: str, obj: PushedObject) -> None:
@@ -266,9 +248,7 @@ class PushActionServer:
             handle.canceled()
         else:
             handle.abort()
-        if self._node.executor is not None:
-            # Else the node is being shut down, and nobody can be answered any more.
-            self._server.notify_execute(handle, lambda _: result)
+        self._server.answer(handle, result)
 
     def _status_message(self, progress: GoalProgress, reason: str, time: float) -> Any:
         is_pushing = progress.state is PushState.PUSHING
@@ -293,7 +273,3 @@ def _errors(progress: GoalProgress) -> dict[str, float]:
 def _check_pose(message: Any) -> None:
     """Refuse a pose that is none in any frame."""
     from_object_pose_message(message, message.header.frame_id, f'{ACTION}.goal_pose')
-
-
-def _no_result(_: Any) -> None:
-    """Do nothing: every goal is ended with a callback of its own."""

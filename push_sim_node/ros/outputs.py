@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 from builtin_interfaces.msg import Time
 from geometry_msgs.msg import TransformStamped
 from push_model.geometry import Pose
-from push_model.parameters import PushedObject, RoundRobot
-from push_model.signals import LidarScan, Odometry
+from push_model.parameters import RoundRobot
+from push_model.signals import LidarScan, ObjectPose, Odometry
 from push_ros.conversions.lidar import to_scan_message
 from push_ros.conversions.markers import MarkerHeader, scene_markers
 from push_ros.conversions.measurements import to_wrench_message, VARIANCE_INDICES
@@ -16,6 +16,7 @@ from push_ros.conversions.serialized import serialize_object_pose, serialize_odo
 from push_ros.node import PushNode, RateLimiter
 from push_ros.node_settings import Frames, SimOptions
 from push_ros.qos import EVENT
+from push_ros.topics import topic_of_object
 from push_sim_node.sensors import MIN_DEVIATION, SensorSettings
 from push_sim_node.simulation import Measurement, Simulation
 from push_sim_node.truth import Truth
@@ -81,17 +82,15 @@ class SimOutputs:
     Publishers of the simulator; markers and wrenches are made only for subscribers.
 
     :param node: the ``PushNode``.
-    :param obj: the true ``PushedObject``.
     :param robot: the true ``RoundRobot``.
     :param sensors: ``SensorSettings``.
     :param frames: ``Frames``.
     :param options: ``SimOptions``.
     """
 
-    def __init__(self, node: PushNode, obj: PushedObject, robot: RoundRobot,
-                 sensors: SensorSettings, frames: Frames, options: SimOptions) -> None:
+    def __init__(self, node: PushNode, robot: RoundRobot, sensors: SensorSettings, frames: Frames,
+                 options: SimOptions) -> None:
         self._node = node
-        self._obj = obj
         self._robot = robot
         self._frames = frames
         self._options = options
@@ -99,7 +98,10 @@ class SimOutputs:
         self._twist_covariance = twist_covariance(sensors)
         self._epoch = 0
         self._measurements = {topic: node.publisher(topic) for topic in (
-            'odom', 'object_pose', *(['scan'] if sensors.lidar.rate > 0.0 else []))}
+            'odom', *(['scan'] if sensors.lidar.rate > 0.0 else []))}
+        for name in [entry.name for entry in options.objects] or ['']:
+            self._measurements[topic_of_object('object_pose', name)] = node.publisher(
+                'object_pose', object_name=name)
         self._wrench = _Output(node.publisher('contact_wrench'), WRENCH_RATE)
         self._markers = _Output(node.publisher('markers'), MARKER_RATE)
         self._clock = node.publisher('clock') if self._owns_time else None
@@ -149,11 +151,13 @@ class SimOutputs:
     def _nanoseconds(self, time: float) -> int:
         return self._epoch + math.floor(time * NANOSECONDS + 0.5)
 
-    def publish_measurement(self, measurement: Measurement) -> PublishedMeasurement:
+    def publish_measurement(self, measurement: Measurement,
+                            object_name: str = '') -> PublishedMeasurement:
         """
         Publish a measurement.
 
         :param measurement: the measurement; a scan is in ``LIDAR_FRAME``.
+        :param object_name: of the object, where there are several.
         :return: what was published.
         """
         self.publish_clock(measurement.time)
@@ -167,13 +171,28 @@ class SimOutputs:
             published = PublishedMeasurement(stamp, 'scan', serialize_message(to_scan_message(
                 measurement, exact_stamp(stamp), LIDAR_FRAME)))
         elif measurement.relative is not None:
-            published = PublishedMeasurement(stamp, 'object_pose', serialize_object_pose(
-                measurement._replace(pose=measurement.relative), stamp, self._frames.base_frame))
+            published = PublishedMeasurement(
+                stamp, topic_of_object('object_pose', object_name), serialize_object_pose(
+                    measurement._replace(pose=measurement.relative), stamp,
+                    self._frames.base_frame))
         else:
-            published = PublishedMeasurement(stamp, 'object_pose', serialize_object_pose(
-                measurement, stamp, world))
+            published = self._pose_message(object_name, measurement)
         self.republish(published)
         return published
+
+    def publish_standing(self, name: str, pose: ObjectPose) -> None:
+        """
+        Publish the pose of an object beside the pushed one.
+
+        :param name: of the object.
+        """
+        self.republish(self._pose_message(name, pose))
+
+    def _pose_message(self, name: str, pose: ObjectPose) -> PublishedMeasurement:
+        stamp = self._nanoseconds(pose.time)
+        return PublishedMeasurement(
+            stamp, topic_of_object('object_pose', name),
+            serialize_object_pose(pose, stamp, self._frames.world_frame))
 
     def republish(self, published: PublishedMeasurement) -> None:
         """Publish a measurement as it stands."""
@@ -208,7 +227,7 @@ class SimOutputs:
         if self._markers.is_due(time) and self._markers.has_subscribers():
             truth = simulation.truth
             self._markers.publish(scene_markers(
-                MarkerHeader(self.stamp(time), self._frames.world_frame, 'sim'), self._obj,
+                MarkerHeader(self.stamp(time), self._frames.world_frame, 'sim'), simulation.obj,
                 self._robot, truth.object_pose, truth.robot_pose))
         if self._tf.is_due(time):
             truth = simulation.truth

@@ -123,7 +123,8 @@ def stop(process):
     return process.communicate(timeout=PATIENCE)[0]
 
 
-@pytest.mark.parametrize('name', [*EXECUTABLES, 'calibrate', 'identify', 'play', 'replay', 'view'])
+@pytest.mark.parametrize('name', [*EXECUTABLES, 'calibrate', 'identify', 'play', 'replay', 'tidy',
+                                  'view'])
 def test_ros2_run_finds_the_executable(workspace, name):
     """It lies in lib/push_control and may be executed."""
     assert os.access(script(workspace, name), os.X_OK)

@@ -1,9 +1,9 @@
 """Objects by name: whose values count, and what is said of names that nobody knows."""
 
 from helpers.objects import box
-from push_control.ros.objects.catalogue import ObjectCatalogue, UnknownObject
 from push_model.files.data import config_file
 from push_model.files.parameter_files import read_object
+from push_ros.object_catalogue import ObjectCatalogue, UnknownObject
 import pytest
 
 

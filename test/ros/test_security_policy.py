@@ -4,7 +4,7 @@ from xml.etree import ElementTree
 
 from push_ros.push_interfaces import ACTION
 from push_ros.security_policy import enclave_of, main, NODES, permissions_of
-from push_ros.topics import CONTROLLER, SERVICES, TOPICS
+from push_ros.topics import CONTROLLER, SERVICES, TIDY, TOPICS
 import pytest
 
 BASE = '/base/get_parameters'
@@ -34,6 +34,8 @@ def test_a_policy_allows_each_node_its_own_interfaces(
         assert allowed(profile, 'service', 'reply') == own.reply
         assert allowed(profile, 'service', 'request') == own.request
         assert allowed(profile, 'action', 'execute') == own.execute
+        assert allowed(profile, 'action', 'call') == own.call
+        assert (own.call == {ACTION}) == (node == TIDY)
         assert ({ACTION, BASE} <= own.execute | own.request) == (node == CONTROLLER)
 
 

@@ -1,0 +1,1 @@
+"""The node that brings several objects to their goals by the action for one."""

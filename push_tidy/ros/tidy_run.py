@@ -1,0 +1,200 @@
+"""
+Pursuit of one goal of ``push_objects``: measure, ask the supervisor, move, and so on.
+
+    MEASURING  poses of all objects come, until there are enough of each
+    MOVING     the controller pursues the goal of one object
+    ENDED      all is done that can be done
+"""
+
+from collections.abc import Callable
+import enum
+import math
+from typing import Any, NamedTuple
+
+from push_model.geometry import distance, Pose, wrap_angle
+from push_planner.rearrangement.problem import Move
+from push_ros.node import PushNode
+from push_ros.push_interfaces import ACTION
+from push_tidy.obstacles import MARGIN_SIGMAS, StandingObject
+from push_tidy.rest_poses import RestPose, RestPoses
+from push_tidy.ros.room_map import RoomMap
+from push_tidy.ros.single_moves import MoveEnd, MoveGoal, SingleMoves
+from push_tidy.tidy_supervisor import MeasuredScene, ObjectGoal, TidySupervisor
+
+
+class RunState(enum.Enum):
+    """State of the pursuit of a goal."""
+
+    MEASURING = 'measures all objects'
+    MOVING = 'moves an object'
+    ENDED = 'has ended'
+
+
+class RoomInputs:
+    """
+    What a run needs to know of the room, as it was last received.
+
+    ``room_map``: the ``RoomMap``, ``robot_pose``: ``Pose`` of the robot by odometry; None before.
+    """
+
+    def __init__(self) -> None:
+        self.room_map: RoomMap | None = None
+        self.robot_pose: Pose | None = None
+
+    @property
+    def missing(self) -> list[str]:
+        """Topics on which nothing has come yet."""
+        return [topic for topic, value in (('room_map', self.room_map),
+                                           ('odom', self.robot_pose)) if value is None]
+
+
+class RunPorts(NamedTuple):
+    """
+    Where a run sends what it decides.
+
+    :param node: the ``PushNode``, for its clock.
+    :param frame: id of the world frame.
+    :param moves: the ``SingleMoves``.
+    :param publish_map: publishes the map with the objects that stand.
+    :param on_change: called after each change, for feedback, and at the end.
+    """
+
+    node: PushNode
+    frame: str
+    moves: SingleMoves
+    publish_map: Callable[[Any], None]
+    on_change: Callable[[], None]
+
+
+class TidyRun:
+    """
+    Pursuit of one goal.
+
+    ``state``: the ``RunState``. ``feedback``: the last feedback of the present move, or None.
+    ``supervisor``: the ``TidySupervisor``. ``is_cancelled``: whether the client has cancelled it.
+
+    :param goals: ``ObjectGoal`` of each object that is there, by name.
+    :param supervisor: of the same.
+    :param inputs: ``RoomInputs``.
+    :param pose_count: poses of each object that are averaged.
+    :param ports: ``RunPorts``.
+    :param start: time at which it starts [s].
+    """
+
+    def __init__(self, goals: dict[str, ObjectGoal], supervisor: TidySupervisor,
+                 inputs: RoomInputs, ports: RunPorts, *, pose_count: int, start: float) -> None:
+        self._goals = goals
+        self.supervisor = supervisor
+        self._inputs = inputs
+        self._ports = ports
+        self._start = start
+        self._now = start
+        self._rest = RestPoses(list(goals), pose_count)
+        self.state = RunState.MEASURING
+        self.feedback: Any = None
+        self.is_cancelled = False
+        self._measured: dict[str, RestPose] = {}
+
+    @property
+    def elapsed(self) -> float:
+        """Time since the start [s]."""
+        return max(0.0, self._now - self._start)
+
+    @property
+    def text(self) -> str:
+        """What comes next and why, for people."""
+        waits = [*self._inputs.missing, *(f'poses of {name}' for name in self._rest.missing)]
+        if self.state is RunState.MEASURING and waits:
+            return f'waits for {", ".join(waits)}'
+        moves = self.supervisor.plan.moves
+        if self.state is not RunState.MOVING or not moves:
+            return self.state.value
+        first = moves[0]
+        if not first.is_temporary:
+            return f'{first.name} to its goal'
+        after = next((move.name for move in moves if move.name != first.name), '')
+        return f'{first.name} out of the way' + (f', as {after} is next' if after else '')
+
+    def errors(self, name: str) -> tuple[float, float]:
+        """Return distance [m] and rotation [rad] of an object from its goal; nan if unknown."""
+        goal, measured = self._goals[name].pose, self._measured.get(name)
+        if goal is None or measured is None:
+            return math.nan, math.nan
+        return (distance(measured.pose, goal), wrap_angle(measured.pose.theta - goal.theta))
+
+    def on_pose(self, name: str, pose: Pose, time: float) -> None:
+        """
+        Take a measured pose in, and decide once there are enough.
+
+        :param name: of the object.
+        :param time: of the measurement [s].
+        """
+        self._now = max(self._now, time)
+        if self.state is not RunState.MEASURING:
+            return
+        self._rest.add(name, pose)
+        if not self._rest.missing and not self._inputs.missing:
+            self._decide()
+
+    def cancel(self, reason: str) -> None:
+        """
+        End as soon as the robot stands off its object.
+
+        :param reason: one clause.
+        """
+        self.supervisor.cancel(reason)
+        if self.state is RunState.MOVING:
+            self._ports.moves.cancel()
+        elif self.state is RunState.MEASURING:
+            self._end()
+
+    def check_controller(self) -> None:
+        """End where the controller is gone."""
+        if self.state is RunState.MOVING and not self._ports.moves.is_ready:
+            self._ports.moves.drop()
+            self.supervisor.cancel(f'nobody serves {ACTION}')
+            self._end()
+
+    def _decide(self) -> None:
+        """Start the next move from where all objects are, or end."""
+        room_map, robot_pose = self._inputs.room_map, self._inputs.robot_pose
+        if room_map is None or robot_pose is None:
+            return
+        self._measured = self._rest.means()
+        move = self.supervisor.next_move(
+            MeasuredScene({name: item.pose for name, item in self._measured.items()}, robot_pose,
+                          room_map.occupancy_map), self.elapsed)
+        if move is None:
+            self._end()
+        else:
+            self._move(move, room_map)
+
+    def _move(self, move: Move, room_map: RoomMap) -> None:
+        self.state, self.feedback = RunState.MOVING, None
+        standing = {name: item for name, item in self._measured.items() if name != move.name}
+        stamp = self._ports.node.now()
+        self._ports.publish_map(room_map.with_objects(
+            [StandingObject(self._goals[name].obj, item.pose) for name, item in standing.items()],
+            MARGIN_SIGMAS * max((item.deviation for item in standing.values()), default=0.0),
+            stamp))
+        self._ports.moves.start(
+            MoveGoal(move.name, move.end, self._goals[move.name].tolerances, stamp,
+                     self._ports.frame),
+            self._on_feedback, lambda end: self._on_end(move, end))
+        self._ports.on_change()
+
+    def _on_feedback(self, feedback: Any) -> None:
+        self.feedback = feedback
+        self._ports.on_change()
+
+    def _on_end(self, move: Move, end: MoveEnd) -> None:
+        self.supervisor.end_move(move, end.failure or None)
+        if end.ends_all:
+            self.supervisor.cancel(end.failure)
+        self._rest.restart()
+        self.state = RunState.MEASURING
+        self._ports.on_change()
+
+    def _end(self) -> None:
+        self.state = RunState.ENDED
+        self._ports.on_change()
