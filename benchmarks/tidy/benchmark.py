@@ -1,8 +1,8 @@
 """
 Rooms with several objects, beside an order that takes the nearest object first.
 
-``orders`` plans orders alone, ``rooms`` simulates all pushes. Rows are kept in a folder, so that a
-run that was interrupted goes on where it stopped.
+``orders`` plans orders alone, ``rooms`` and ``doors`` simulate all pushes. Rows are kept in a
+folder, so that a run that was interrupted goes on where it stopped.
 """
 
 import argparse
@@ -12,6 +12,7 @@ from pathlib import Path
 import sys
 import time
 
+from benchmarks.tidy.doors import draw_door
 from benchmarks.tidy.rooms import draw_room, SIDES
 import numpy as np
 from push_model.geometry import distance
@@ -19,8 +20,13 @@ from push_planner.rearrangement.order import MAX_WORK, plan_order
 from push_planner.rearrangement.problem import Move, OrderPlan, Rearrangement
 from push_scenario.evaluation.result_row import Row
 from push_scenario.parallel import ERROR, progress_bar, run_many
+from push_scenario.tidying.room import Room
 from push_scenario.tidying.tidy import tidy
 from push_tidy.tidy_supervisor import OrderPlanner
+
+
+# In place of a number of objects.
+BLOCKED = 0
 
 
 @dataclasses.dataclass(frozen=True)
@@ -28,7 +34,7 @@ class Job:
     """
     One room.
 
-    :param count: of objects.
+    :param count: of objects; ``BLOCKED`` for two rooms with a blocked door.
     :param index: of the room.
     :param order: ``searched`` or ``nearest``.
     """
@@ -36,6 +42,11 @@ class Job:
     count: int
     index: int
     order: str = 'searched'
+
+    def draw(self) -> Room:
+        """Draw the room."""
+        return draw_door(self.index) if self.count == BLOCKED else draw_room(self.count,
+                                                                             self.index)
 
 
 def nearest_first(problem: Rearrangement) -> OrderPlan:
@@ -67,14 +78,14 @@ def order_row(job: Job) -> Row:
             row['temporary'] = sum(move.is_temporary for move in result.moves)
         return OrderPlan((), {}, 0.0, True, 0)
 
-    tidy(draw_room(job.count, job.index), find_order=plan)
+    tidy(job.draw(), find_order=plan)
     return row
 
 
 def room_row(job: Job) -> Row:
     """Put a room in order."""
-    result = tidy(draw_room(job.count, job.index), find_order=ORDERS[job.order])
-    return {**dataclasses.asdict(job),
+    result = tidy(job.draw(), find_order=ORDERS[job.order])
+    return {**dataclasses.asdict(job), 'objects': len(result.poses),
             'placed': sum(map(result.is_placed, result.poses)),
             'moves': len(result.moves), 'touches': result.touches, 'duration': result.duration,
             'failed_moves': sum(item.run.outcome.value != 'done' for item in result.moves),
@@ -104,12 +115,14 @@ def room_lines(rows: Sequence[Row]) -> list[str]:
     """Write the table of rooms."""
     lines = ['| objects, order | rooms in order | objects | touches | moves | time, median |',
              '| --- | --- | --- | --- | --- | --- |']
-    for count, order in ((count, order) for count in SIDES for order in ORDERS):
+    for count, order in ((count, order) for count in (*SIDES, BLOCKED) for order in ORDERS):
         some = [row for row in rows if (row.get('count'), row.get('order')) == (count, order)]
         if some:
             lines.append(
-                f'| {count}, {order} | {sum(row["placed"] == count for row in some)} of '
-                f'{len(some)} | {sum(row["placed"] for row in some)} of {count * len(some)} | '
+                f'| {count or "blocked door"}, {order} | '
+                f'{sum(row["placed"] == row["objects"] for row in some)} of '
+                f'{len(some)} | {sum(row["placed"] for row in some)} of '
+                f'{sum(row["objects"] for row in some)} | '
                 f'{sum(row["touches"] for row in some)} | {sum(row["moves"] for row in some)} | '
                 f'{np.median([row["duration"] for row in some]):.0f} s |')
     return lines
@@ -118,7 +131,7 @@ def room_lines(rows: Sequence[Row]) -> list[str]:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the benchmark; see ``--help``."""
     parser = argparse.ArgumentParser(prog='python -m benchmarks.tidy', description=__doc__)
-    parser.add_argument('part', choices=('orders', 'rooms'), help='what to measure')
+    parser.add_argument('part', choices=('orders', 'rooms', 'doors'), help='what to measure')
     parser.add_argument('--rooms', type=int, default=25, help='rooms of each size (default: 25)')
     parser.add_argument('--sizes', type=int, nargs='+', choices=tuple(SIDES), default=list(SIDES))
     parser.add_argument('--order', choices=tuple(ORDERS), action='append',
@@ -126,15 +139,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument('--out', type=Path, default=Path('out/tidy'), help='folder of the rows')
     parser.add_argument('--workers', type=int, help='processes (default: one per core)')
     options = parser.parse_args(arguments)
-    orders = options.order or list(ORDERS) if options.part == 'rooms' else ['searched']
+    is_simulated = options.part != 'orders'
+    orders = options.order or list(ORDERS) if is_simulated else ['searched']
     jobs = [Job(count, index, order) for index in range(options.rooms)
-            for count in options.sizes for order in orders]
-    function = room_row if options.part == 'rooms' else order_row
+            for count in ([BLOCKED] if options.part == 'doors' else options.sizes)
+            for order in orders]
+    function = room_row if is_simulated else order_row
     rows = run_many(function, jobs, folder=options.out / options.part, workers=options.workers,
                     block=1, progress=progress_bar(options.part))
     errors = [row for row in rows if ERROR in row]
     for row in errors:
         print(row[ERROR], file=sys.stderr)
-    lines = room_lines if options.part == 'rooms' else order_lines
+    lines = room_lines if is_simulated else order_lines
     print('\n'.join(lines([row for row in rows if ERROR not in row])))
     return int(bool(errors))

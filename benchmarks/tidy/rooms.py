@@ -24,6 +24,9 @@ ROBOT_GAP = 0.3
 CIRCLE_PERIOD, CIRCLES = 3, (2, 3)
 RESOLUTION = 0.05
 DECIMALS = 3
+# Errors of measurement, and a lidar by which the robot knows its place.
+SENSORS = {'pose_noise': 0.002, 'pose_heading_noise': 0.005, 'pose_latency': 0.08,
+           'odometry_scale': 0.02, 'odometry_heading_drift': 0.02, 'lidar': {'rate': 10.0}}
 
 
 def draw_room(count: int, index: int) -> Room:
@@ -49,16 +52,16 @@ def draw_room(count: int, index: int) -> Room:
     return room_from_text(json.dumps({
         'description': f'{count} objects, room {index}',
         'robot': {'file': 'disc_017.yaml'},
-        'start': {'robot': _mapping(_draw_robot(objects, starts, side, rng))},
+        'start': {'robot': pose_values(_draw_robot(objects, starts, side, rng))},
         'objects': {f'{kind} {number}': {
-            'object': {'file': f'{kind}.yaml'}, 'start': _mapping(start), 'goal': _mapping(goal)}
+            'object': {'file': f'{kind}.yaml'}, 'start': pose_values(start),
+            'goal': pose_values(goal)}
             for number, (kind, start, goal) in enumerate(zip(kinds, starts, goals))},
-        'sensors': {'pose_noise': 0.002, 'pose_heading_noise': 0.005, 'pose_latency': 0.08,
-                    'odometry_scale': 0.02, 'odometry_heading_drift': 0.02,
-                    'lidar': {'rate': 10.0}},
+        'sensors': SENSORS,
         'simulation': {'seed': index}, 'time_limit': 300,
         'bounds': {'position_error': 0.02, 'heading_error_deg': 2},
-        'task': {'map': _walls(side), 'place': {'source': 'scan', 'mount': 'stated'}}}), f'{count} objects {index}')
+        'task': {'map': _walls(side), 'place': {'source': 'scan', 'mount': 'stated'}}}),
+        f'{count} objects {index}')
 
 
 def _walls(side: float) -> dict[str, Any]:
@@ -108,5 +111,6 @@ def _draw_robot(objects: list[PushedObject], poses: list[Pose], side: float,
             return Pose(round(x, DECIMALS), round(y, DECIMALS), round(theta, DECIMALS))
 
 
-def _mapping(pose: Pose) -> dict[str, float]:
+def pose_values(pose: Pose) -> dict[str, float]:
+    """Write a pose as files have it."""
     return dict(pose._asdict())

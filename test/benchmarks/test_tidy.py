@@ -1,13 +1,16 @@
 """Benchmark of rooms with several objects: what its rooms are, and what its table says."""
 
 from benchmarks.tidy.benchmark import nearest_first, room_lines
+from benchmarks.tidy.doors import draw_door
 from benchmarks.tidy.rooms import draw_room, GAP
 from helpers.maps import walled_floor
 from helpers.objects import box
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
 from push_planner.rearrangement.footprints import object_gap
-from push_planner.rearrangement.problem import NamedObject, Rearrangement
+from push_planner.rearrangement.order import plan_order
+from push_planner.rearrangement.problem import NamedObject, OrderPlan, Rearrangement
+from push_scenario.tidying.tidy import tidy
 
 
 def test_a_room_with_a_circle_keeps_its_gaps() -> None:
@@ -30,6 +33,23 @@ def test_the_nearest_object_comes_first() -> None:
 
 def test_the_table_counts_rooms_and_objects() -> None:
     """A room counts where all of its objects are at their goals."""
-    row = {'count': 3, 'order': 'searched', 'touches': 1, 'moves': 4, 'duration': 100.0}
+    row = {'count': 3, 'objects': 3, 'order': 'searched', 'touches': 1, 'moves': 4,
+           'duration': 100.0}
     *_, line = room_lines([{**row, 'placed': 3}, {**row, 'placed': 2}])
     assert line == '| 3, searched | 1 of 2 | 5 of 6 | 2 | 8 | 100 s |'
+
+
+def test_what_blocks_a_door_is_moved_first() -> None:
+    """The box waits for it, and gets through; what has a goal in the door comes back."""
+    plans: list[OrderPlan] = []
+
+    def plan_only(problem: Rearrangement) -> OrderPlan:
+        plans.append(plan_order(problem, 0))
+        return plans[-1]._replace(moves=())
+
+    room = draw_door(0)
+    tidy(room, find_order=plan_only)
+    moves, = [plan.moves for plan in plans]
+    blocking, = set(room.scenarios) - {'box'}
+    assert [move.name for move in moves] == [blocking, 'box', blocking]
+    assert [move.is_temporary for move in moves] == [True, False, False]
