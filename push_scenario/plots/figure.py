@@ -22,6 +22,7 @@ from push_control.law_names import law_title
 from push_model.friction import friction_center
 from push_model.geometry import wrap_angles
 from push_navigation.occupancy_map import OccupancyMap
+from push_planner.refusal_marks import NO_MARKS, RefusalMarks
 from push_scenario.definition.scenario import Scenario
 from push_scenario.evaluation.metrics import bounds_missed, force_angle, verdict
 from push_scenario.plots.drawing import (
@@ -29,7 +30,8 @@ from push_scenario.plots.drawing import (
     draw_robot, GOAL, goal_poses, INK, outline, PLAN_STYLE, PUSH_COLORS, ROBOT_PATH_STYLE,
     segments_of, set_view, StateRows, style_axes, tape_of, WARNING,
 )
-from push_scenario.simulation.result import RunResult
+from push_scenario.plots.plan_picture import draw_refusal, refusal_legend
+from push_scenario.simulation.result import Outcome, RunResult
 
 FloatArray = NDArray[np.float64]
 
@@ -153,6 +155,7 @@ def _scene(axes: Axes, result: RunResult) -> None:
     if result.plan is not None:
         axes.plot(*result.plan.object_poses[:, :2].T, **PLAN_STYLE, zorder=7.5)
     draw_displacements(axes, result)
+    draw_refusal(axes, scenario.object, radius, _marks_of(result))
     is_missed = bool(bounds_missed(result))
     draw_object(axes, scenario.true_object, objects[-1], linewidth=1.6, zorder=4, edgecolor=INK,
                 facecolor=(WARNING if is_missed else GOAL) + '30')
@@ -171,6 +174,13 @@ def _scene(axes: Axes, result: RunResult) -> None:
         f'bounds: {_millimetres(bounds.position_error)} and '
         f'{math.degrees(bounds.heading_error):.1f}°',
         loc='left', fontsize=11, color=WARNING if is_missed else INK)
+
+
+def _marks_of(result: RunResult) -> RefusalMarks:
+    """Look up what stood against a plan at the end of a run."""
+    if result.outcome is not Outcome.FAILED or not result.refusals:
+        return NO_MARKS
+    return result.refusals[-1].failure.marks
 
 
 def _millimetres(metres: float) -> str:
@@ -320,6 +330,7 @@ def _legend(axes: Axes, results: Sequence[RunResult]) -> None:
         handles += [
             Line2D([], [], **ROBOT_PATH_STYLE, label='path of the robot between pushes'),
             Line2D([], [], color=WARNING, linewidth=1.4, label='failure, or a new goal')]
+    handles += refusal_legend(_marks_of(results[0]))
     handles += [
         Line2D([], [], **CONE_STYLE, label='friction cone: within it the contact sticks'),
         Line2D([], [], color=WARNING, marker='X', linestyle='none', markersize=9,

@@ -196,6 +196,12 @@ def _legend(plan: FirstPlan, marks: RefusalMarks) -> list[Any]:
     if _leads_to_open_floor(plan):
         handles.append(Line2D([], [], label='open floor: planned when it gets there',
                               **OPEN_FLOOR_STYLE))
+    return [*handles, *refusal_legend(marks)]
+
+
+def refusal_legend(marks: RefusalMarks) -> list[Any]:
+    """List the entries of a legend for the marks of a refusal."""
+    handles: list[Any] = []
     place = marks.narrow_place
     if place is not None:
         handles.append(Patch(label='free floor', **FREE_STYLE))

@@ -1,22 +1,28 @@
 """The picture of a plan has its ghosts, that of a refusal the places and widths behind it."""
 
+import dataclasses
 from pathlib import Path
 
 from helpers.objects import box
+from helpers.tapes import make_result, make_tape, straight_plan
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Ellipse, Polygon
 import numpy as np
 from PIL import Image
 from push_model.geometry import Pose
+from push_model.plan_request import PlanFailure
 from push_navigation.map_clearance import PositionEllipse
 from push_navigation.path import Path as RobotPath
 from push_planner.planned_pushes import PlannedPush
+from push_planner.problem import PlanningFailed
 from push_planner.refusal_marks import FaceMark, NarrowPlace, RefusalMarks
 from push_scenario.definition.loader import load_scenario
 from push_scenario.first_plan import find_first_plan
 from push_scenario.plots.drawing import outline
+from push_scenario.plots.figure import _scene
 from push_scenario.plots.plan_picture import (
     draw_plan_picture, draw_pushes, draw_refusal, ELLIPSE_SIGMAS)
+from push_scenario.simulation.result import Outcome, TimedRefusal
 import pytest
 
 BOX, RADIUS = box(), 0.17
@@ -67,6 +73,21 @@ def test_faces_without_room_are_crossed_out() -> None:
     assert crosses == [[[1.0, 0.0]]]
     overlap, = (patch for patch in axes.patches if isinstance(patch, Polygon))
     assert overlap.get_xy()[:-1] == pytest.approx(outline(BOX, wall))
+
+
+def test_the_figure_of_a_run_that_was_refused_shows_why() -> None:
+    """The place is there, as wide as it is; a run that is done all the same has no such mark."""
+    refusal = TimedRefusal(0.5, PlanningFailed(PlanFailure.BLOCKED, 'a wall', marks=RefusalMarks(
+        NarrowPlace(1.0, 0.3, 0.43, 0.57))))
+    run = dataclasses.replace(make_result(make_tape(), straight_plan(), (2.0, 0.0, 0.0)),
+                              refusals=(refusal,))
+    for outcome, count in ((Outcome.FAILED, 2), (Outcome.DONE, 0)):
+        axes = Figure().add_subplot()
+        _scene(axes, dataclasses.replace(run, outcome=outcome))
+        circles = [patch for patch in axes.patches if isinstance(patch, Circle)
+                   and patch.get_center() == (1.0, 0.3)]
+        assert len(circles) == count
+        assert {circle.get_radius() for circle in circles} <= {0.215, 0.285}
 
 
 @pytest.mark.slow
