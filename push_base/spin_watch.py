@@ -27,6 +27,9 @@ MAX_SPIN_RATIO = 0.3
 # chosen: one pose in ten thousand is so far off.
 MIN_ADVANCE = 0.008
 ADVANCE_SIGMAS = 4.0
+# Distance of the wheels, and the part of it that the object went, from which on it is not too
+# heavy [m]; chosen: contacts give way by a centimetre, wheels that spin show less than half.
+FOLLOWED_DISTANCE, MIN_FOLLOWED_RATIO = 0.05, 0.7
 # Time for which distances of the wheels are kept [s]; chosen: poses that are older are refused.
 MEMORY = 5.0
 # Mean advance of an object that only creeps [m], the same in standard deviations of a pose, poses
@@ -113,6 +116,12 @@ class SpinWatch:
         if not (has_moved and before):
             return False
         return advance - before[-1][1] < MAX_SPIN_RATIO * (driven - before[-1][0])
+
+    @property
+    def has_followed(self) -> bool:
+        """Tell whether the object went as far as the wheels drove, as what is not too heavy."""
+        return any(driven >= FOLLOWED_DISTANCE and advance >= MIN_FOLLOWED_RATIO * driven
+                   for driven, advance in self._rows)
 
     @property
     def is_creeping(self) -> bool:

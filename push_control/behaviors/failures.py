@@ -26,11 +26,22 @@ class BehaviorFailure(Cause):
     OBJECT_UNYIELDING = ('the wheels turn, the object does not move at all: it is too heavy for '
                          'this robot or blocked, or it is not where it seems to be')
     BASE_STALLS = 'the base stalls at the object: it is too heavy for this robot, or blocked'
+    HELD_UP = 'the object is held up by {obstacle}'
 
     # During a steered push.
     OFF_PLANNED_PATH = 'the object deviates by {distance:.2f} m from its planned path'
     OBJECT_NEARS_OBSTACLE = 'the object deviates towards an obstacle of the map'
     ROBOT_NEARS_OBSTACLE = 'the robot deviates towards an obstacle of the map'
+
+
+def held_up(*, is_in_map: bool) -> Report[BehaviorFailure]:
+    """
+    Report that something holds the object up.
+
+    :param is_in_map: whether the map shows what.
+    """
+    return BehaviorFailure.HELD_UP.report(
+        obstacle='an obstacle of the map' if is_in_map else 'a wall or another thing in its way')
 
 
 def no_path(error: ValueError) -> Report[BehaviorFailure]:

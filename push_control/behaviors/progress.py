@@ -4,7 +4,7 @@ import enum
 import math
 from typing import NamedTuple
 
-from push_control.behaviors.failures import FailureReport
+from push_control.behaviors.failures import FailureReport, held_up
 from push_control.events import no_plan, TaskEvent
 from push_control.goal import TaskFailure
 from push_control.perception.object_at_rest import has_moved, ObjectAtRest
@@ -27,6 +27,12 @@ MAX_INSPECTIONS = 3
 MAX_SAFETY_STOPS = 3
 # Pushes at which the wheels spun since then; chosen: the second one confirms the first.
 MAX_SPINS = 2
+# Pushes at which the object was held up since then; chosen: another plan may lead round what holds
+# it, a third push onto it does not.
+MAX_HOLD_UPS = 3
+# Displacement by one push from which on an object is not too heavy [m]; chosen: some give way by
+# centimetres before the wheels spin.
+LIGHT_DISTANCE = 0.1
 # Pushes in a row that may leave the object pose as it was, to the last digit; chosen: the robot
 # may have missed the object once or twice, and a tracker that is frozen from the start shows no
 # more.
@@ -136,8 +142,12 @@ class ProgressMonitor:
         self._safety_stops = 0
         self._spins = 0
         self._last_spin: FailureReport | None = None
-        # Whether the wheels have spun at the last push.
-        self._has_just_spun = False
+        self._hold_ups = 0
+        self._last_hold_up: FailureReport | None = None
+        # Whether a push has moved the object farther than what is too heavy moves.
+        self._is_light = False
+        # Whether the wheels have spun, or the object was held up, at the last push.
+        self._has_just_stalled = False
         self._unseen_pushes = 0
         self._max_unseen_pushes = MAX_UNSEEN_PUSHES
         self._least_error = math.inf
@@ -173,7 +183,9 @@ class ProgressMonitor:
         :param object_pose: ``Pose`` of the object after it.
         :param goal: goal ``Pose``; None where it was given up meanwhile.
         """
-        self._has_just_spun = False
+        self._has_just_stalled = False
+        start = Pose(*plan.object_poses[0].tolist())
+        self._is_light |= distance(start, object_pose) > LIGHT_DISTANCE
         if goal is not None and self._relative_error(object_pose, goal) < (
                 self.settings.improvement_ratio * self._least_error):
             self._safety_stops = 0
@@ -202,8 +214,25 @@ class ProgressMonitor:
         """
         self._spins += 1
         self._last_spin = failure
-        self._has_just_spun = True
+        self._has_just_stalled = True
         return self._spins >= MAX_SPINS
+
+    def count_hold_up(self, failure: FailureReport) -> None:
+        """
+        Count a push at which something held the object up.
+
+        :param failure: what did.
+        """
+        self._hold_ups += 1
+        self._has_just_stalled = True
+        self._last_hold_up = failure
+
+    @property
+    def hold_up(self) -> FailureReport | None:
+        """What holds up an object at which the base stalls; None where it may be too heavy."""
+        if self._hold_ups > 0:
+            return self._last_hold_up
+        return held_up(is_in_map=False) if self._is_light else None
 
     @property
     def last_spin(self) -> FailureReport | None:
@@ -396,8 +425,9 @@ class ProgressMonitor:
             self._attempts = 0
             self._waypoints = 0
             self._safety_stops = self._safety_stops if is_first else 0
-            # What the object went before the wheels spun tells nothing of the next push.
-            self._spins = self._spins if is_first or self._has_just_spun else 0
+            # What the object went before it stopped tells nothing of the next push.
+            if not (is_first or self._has_just_stalled):
+                self._spins = self._hold_ups = 0
             self._last_failure = None
 
     @property
@@ -411,6 +441,8 @@ class ProgressMonitor:
         """``Report`` of why the task is to be aborted; None while it is not."""
         if self._unseen_pushes >= self._max_unseen_pushes:
             return TaskEvent.PUSHES_UNSEEN.report(count=self._unseen_pushes)
+        if self._hold_ups >= MAX_HOLD_UPS and self._last_hold_up is not None:
+            return TaskEvent.ABORTED.report(reason=self._last_hold_up)
         if self._attempts < self.settings.max_attempts:
             return self._uncertainty or self._planning_failure
         if self._last_failure is None:
@@ -422,7 +454,7 @@ class ProgressMonitor:
         """Why the task is to be aborted, None while it is not."""
         if self._unseen_pushes >= self._max_unseen_pushes:
             return TaskFailure.NO_MEASUREMENTS
-        if self._attempts >= self.settings.max_attempts:
+        if self._attempts >= self.settings.max_attempts or self._hold_ups >= MAX_HOLD_UPS:
             return TaskFailure.NO_PROGRESS
         return TaskFailure.NO_PLAN if self._planning_failure else None
 

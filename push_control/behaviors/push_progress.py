@@ -82,6 +82,7 @@ class PushProgress:
     :param length: planned length of the push [m].
     :param course: the last choice, with the distance that remains of it now.
     :param time: since the start [s].
+    :param last_contact: time at which the ensemble last had the robot in contact [s].
     :param stopping_time: since the robot brakes [s].
     :param steering_time: since the arc was chosen [s].
     :param speed: of the robot [m/s].
@@ -103,6 +104,7 @@ class PushProgress:
     :param is_without_effect: whether it has hardly moved, whatever a pose has shown.
     :param is_hindered: whether it has moved by far less than the wheels turned, if the push ends
         now.
+    :param is_stalled: whether the base stands at the object, whatever it is commanded.
     :param touch_deviation: standard deviation of the robot's position at the touch [m].
     :param is_near_obstacle: whether an obstacle of the map ends the push.
     :param is_blind: whether the object is not seen, as was to be expected.
@@ -115,6 +117,7 @@ class PushProgress:
     course: Steer
     stage: Stage = Stage.RUN_IN
     time: float = 0.0
+    last_contact: float = -math.inf
     stopping_time: float = 0.0
     steering_time: float = 0.0
     speed: float = 0.0
@@ -135,6 +138,7 @@ class PushProgress:
     is_creeping: bool = False
     is_without_effect: bool = False
     is_hindered: bool = False
+    is_stalled: bool = False
     touch_deviation: float = math.inf
     is_near_obstacle: bool = False
     is_blind: bool = False
@@ -176,7 +180,8 @@ def decide(progress: PushProgress) -> Steer | Stop | Miss:
     :return: ``Steer``, as chosen last, ``Stop`` or ``Miss``.
     """
     miss_distance = MISS_DISTANCE + MISS_SIGMAS * progress.deviation
-    if progress.is_excessive or progress.is_near_obstacle or progress.is_too_uncertain:
+    if (progress.is_excessive or progress.is_near_obstacle or progress.is_too_uncertain
+            or progress.is_stalled):
         return Stop()
     if progress.is_blind:
         return _decide_blind(progress, miss_distance)

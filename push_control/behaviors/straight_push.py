@@ -12,8 +12,9 @@ import math
 import numpy as np
 from push_base.base_identifier import MAX_LEAST_SPEED
 from push_base.spin_watch import MAX_SPIN_RATIO, SpinWatch
+from push_base.stall_watch import StallWatch
 from push_control.behaviors.behavior import Behavior, BehaviorContext
-from push_control.behaviors.failures import BehaviorFailure, FailureReport
+from push_control.behaviors.failures import BehaviorFailure, FailureReport, held_up
 from push_control.behaviors.obstacle_guard import (
     blocks_push, guarded_members, ObstacleGuard)
 from push_control.behaviors.push_progress import (
@@ -33,7 +34,7 @@ from push_model.signals import ObjectPose, STOP, Twist
 from push_model.trajectory import PushTrajectory
 from push_navigation.occupancy_map import OccupancyMap
 from push_primitives.store import PushPrimitives
-from push_safety.status import SafetyReason, SafetyReport
+from push_safety.status import SafetyReport
 
 # Time in which what remains of a push is covered as it ends [s]; chosen: slow enough for a lag of
 # 0.1 s, and poses as late as that.
@@ -79,6 +80,12 @@ TOUCHING_STD = 0.01
 # Distance beyond the length of a push in which walls may touch object or robot [m]; chosen: both
 # are smaller.
 WALL_RANGE = 1.5
+# Time after the last contact for which the robot is at the object still [s]; chosen: an ensemble
+# that knows no wall expects an object that stops to go on, and lets go of it.
+CONTACT_MEMORY = 0.3
+# Clearance of the object from the map up to which it may touch an obstacle [m]; chosen: half a
+# cell.
+TOUCHED_WALL = 0.025
 
 
 def pushing_speed(target: PushTrajectory) -> float:
@@ -147,6 +154,7 @@ class StraightPush(Behavior[TaskPerception]):
         self._memory = ensemble.remember_robot()
         self._command = STOP
         self._spin_watch: SpinWatch | None = None
+        self._stall_watch = StallWatch()
         self._has_spun = has_spun
         self._guard = None if self._map is None else ObstacleGuard(
             self._map, context.obj, context.robot, target)
@@ -169,16 +177,38 @@ class StraightPush(Behavior[TaskPerception]):
                            pose)
 
     def stop_failure(self, stop: SafetyReport) -> FailureReport | None:
-        """Tell of an object at which the base stalls."""
+        """Tell of an object at which the base stalls, as that is too heavy or held up."""
         progress, commanded = self._progress, math.hypot(*self._command[:2])
-        is_at_object = (progress.stage is Stage.PUSHING and not progress.is_blind
-                        and self._ensemble.contact_ratio > 0.5)
-        # Where the object has moved, a least speed that is not known yet explains slow commands.
+        is_at_object = self._may_touch(progress) and not progress.is_blind
+        # Where the object has moved in the open, a least speed that is not known yet explains slow
+        # commands.
+        is_fast = commanded > MAX_LEAST_SPEED or self._is_at_wall
         is_stalled = not progress.has_moved or (
-            commanded > MAX_LEAST_SPEED and progress.speed < MAX_SPIN_RATIO * commanded)
-        if stop.code is SafetyReason.NOT_MOVING and is_at_object and is_stalled:
-            return BehaviorFailure.BASE_STALLS.report()
-        return None
+            is_fast and progress.speed < MAX_SPIN_RATIO * commanded)
+        if not (stop.code.is_of_motion and is_at_object and is_stalled):
+            return None
+        return self._hold_up or BehaviorFailure.BASE_STALLS.report()
+
+    def _may_touch(self, progress: PushProgress) -> bool:
+        """Tell whether the robot is at the object, as far as that is known."""
+        if progress.stage is Stage.STOPPING:
+            return False
+        return (self._free_gap(self._ensemble.pose) == 0.0
+                or progress.time - progress.last_contact < CONTACT_MEMORY)
+
+    @property
+    def _hold_up(self) -> FailureReport | None:
+        """``Report`` of what holds up the object; None where it may be too heavy."""
+        if self._is_at_wall:
+            return held_up(is_in_map=True)
+        has_followed = self._spin_watch is not None and self._spin_watch.has_followed
+        return held_up(is_in_map=False) if has_followed else None
+
+    @property
+    def _is_at_wall(self) -> bool:
+        """Tell whether the object may touch an obstacle of the map."""
+        return self._map is not None and self._map.object_clearance(
+            self._obj, [self._ensemble.object_pose]) < TOUCHED_WALL
 
     def pause(self) -> None:
         """End the push: the robot stands."""
@@ -213,6 +243,9 @@ class StraightPush(Behavior[TaskPerception]):
             return STOP
         if progress.stage is Stage.PUSHING:
             progress = self._progress = self._with_course(progress)
+        if progress.is_stalled and not progress.is_blind:
+            self.failure = self._hold_up or BehaviorFailure.BASE_STALLS.report()
+            return STOP
         decision = decide(progress)
         if isinstance(decision, Stop):
             return self._stop()
@@ -226,6 +259,9 @@ class StraightPush(Behavior[TaskPerception]):
         """Take in a measurement."""
         progress = self._with_motion(self._progress, perception, dt)
         progress = self._with_object(progress, perception)
+        self._stall_watch.add(progress.time, self._command, perception.observation.odometry.twist)
+        progress = dataclasses.replace(
+            progress, is_stalled=self._stall_watch.is_stalled and self._may_touch(progress))
         if progress.stage is Stage.PUSHING or progress.is_blind:
             progress = dataclasses.replace(
                 progress, is_near_obstacle=self._is_near_obstacle(progress.is_blind, dt))
@@ -234,7 +270,8 @@ class StraightPush(Behavior[TaskPerception]):
         if progress.stage is Stage.PUSHING:
             watch = self._watch_wheels(progress, perception)
             return dataclasses.replace(
-                progress,
+                progress, last_contact=(progress.time if self._ensemble.contact_ratio > 0.5
+                                        else progress.last_contact),
                 is_spinning=watch.is_spinning,
                 is_creeping=(watch.is_creeping
                              and not perception.localization.has_pose_bias),
@@ -306,7 +343,7 @@ class StraightPush(Behavior[TaskPerception]):
             return dataclasses.replace(progress, overrun=overrun)
         if self._robot.drive != 'differential':
             self._direction = wrap_angle(line.theta - ensemble.pose.theta)
-        return dataclasses.replace(progress, stage=Stage.PUSHING,
+        return dataclasses.replace(progress, stage=Stage.PUSHING, last_contact=progress.time,
                                    touch_deviation=progress.deviation)
 
     def _watch_wheels(self, progress: PushProgress, perception: TaskPerception) -> SpinWatch:
@@ -361,14 +398,23 @@ class StraightPush(Behavior[TaskPerception]):
             pose = pose @ perception.predicted_motion.displacement
         line = object_pose @ self._line.start
         _, lateral = line.inverse().transform(pose[:2])
-        gap = ensemble.members.gap(object_pose, pose)
-        free_gap = max(0.0, gap - 2.0 * ensemble.position_deviation - TOUCH_MARGIN)
+        free_gap = self._free_gap(pose)
         speed = math.sqrt(
             self._touch_speed ** 2
             + 2.0 * APPROACH_DECELERATION * perception.limited(self._robot).max_acceleration
             * free_gap)
         speed = min(speed, self._robot.max_speed)
         return self._along_line(speed, lateral, wrap_angle(pose.theta - line.theta))
+
+    def _free_gap(self, pose: Pose) -> float:
+        """
+        Compute how far the robot may drive before it may touch the object [m].
+
+        :param pose: of the robot.
+        """
+        ensemble = self._ensemble
+        gap = ensemble.members.gap(ensemble.object_pose, pose)
+        return max(0.0, gap - 2.0 * ensemble.position_deviation - TOUCH_MARGIN)
 
     def _along_line(self, speed: float, lateral: float, heading: float) -> Twist:
         """Keep to the line before the touch."""
@@ -424,6 +470,7 @@ class StraightPush(Behavior[TaskPerception]):
         """Give up, as the robot is not where it is estimated to be."""
         self.failure = cause.report()
         if cause is BehaviorFailure.WHEELS_SPIN:
+            self.failure = self._hold_up or self.failure
             perception.localization.inflate_covariance(SPUN_STD)
             perception.update_from_contact(self._obj, self._robot, TOUCHING_STD)
             return STOP

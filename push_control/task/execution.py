@@ -313,10 +313,15 @@ class TaskExecution:
         """Go on after a failure, unless it has shown that the object is too heavy."""
         if failure.code is BehaviorFailure.OBJECT_NOT_MOVED:
             failure = self._explained(failure)
+        elif failure.code is BehaviorFailure.BASE_STALLS:
+            failure = self._progress.hold_up or failure
         if failure.code in TOO_WEAK and self._progress.count_spin(failure):
             self._abort(TaskFailure.TOO_HEAVY, self._too_heavy_report(failure))
-        else:
-            self._recover(failure)
+            return
+        if failure.code is BehaviorFailure.HELD_UP:
+            # One too many ends the task after the retreat, so that the robot presses no more.
+            self._progress.count_hold_up(failure)
+        self._recover(failure)
 
     def _explained(self, failure: FailureReport) -> FailureReport:
         """Tell why an object does not move: the robot touches it and is too weak, or elsewhere."""

@@ -122,3 +122,16 @@ def test_what_is_kept_of_the_wheels_does_not_grow_with_the_push():
             assert watch._driven_at(seen) == pytest.approx(
                 float(np.interp(seen, times, distances)), abs=1e-12)
         assert len(watch._driven) <= MEMORY / 0.01 + 2
+
+
+@pytest.mark.parametrize('ratio, expected', [
+    (1.0, True), (0.85, True), (0.5, False), (0.0, False)])
+def test_only_what_goes_with_the_wheels_has_followed(ratio, expected):
+    """Whatever stops it later; wheels that spin leave it behind from the start."""
+    watch = SpinWatch(Pose(0.0, 0.0, 0.0))
+    for k in range(40):
+        driven = 0.005 * k
+        watch.add_distance(PERIOD * k, driven)
+        watch.add_object_pose(ObjectPose(PERIOD * k, Pose(ratio * min(driven, 0.12), 0.0, 0.0)),
+                              (ratio * min(driven, 0.12) - 0.2, 0.0), 0.0, 0.002)
+    assert watch.has_followed == expected

@@ -5,16 +5,18 @@ import math
 
 from helpers.objects import box
 from helpers.straight_pushes import straight_push
-from push_control.behaviors.failures import BehaviorFailure
+from push_control.behaviors.failures import BehaviorFailure, held_up
 from push_control.behaviors.progress import (
-    CAUTION_FACTOR, GoalCheck, MAP_FAILURES, MAP_TIME_LIMIT, MAX_INSPECTIONS, MAX_SAFETY_STOPS,
-    MAX_UNSEEN_AFTER_JUMP, MAX_UNSEEN_PUSHES, MIN_CONE_FRACTION, ProgressMonitor, REST_REPORT_TIME,
-    REST_TIME_LIMIT, RestClock, WAYPOINT_DISTANCE, WAYPOINTS_PER_ATTEMPT)
+    CAUTION_FACTOR, GoalCheck, MAP_FAILURES, MAP_TIME_LIMIT, MAX_HOLD_UPS, MAX_INSPECTIONS,
+    MAX_SAFETY_STOPS, MAX_UNSEEN_AFTER_JUMP, MAX_UNSEEN_PUSHES, MIN_CONE_FRACTION,
+    ProgressMonitor, REST_REPORT_TIME, REST_TIME_LIMIT, RestClock, WAYPOINT_DISTANCE,
+    WAYPOINTS_PER_ATTEMPT)
 from push_control.events import TaskEvent
 from push_control.goal import TaskFailure
 from push_control.perception.object_at_rest import ObjectAtRest
 from push_control.settings import ControlSettings
 from push_control.supervision_settings import aimed_tolerances, SupervisionSettings
+from push_model.events import codes
 from push_model.geometry import Pose
 from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.trajectory import PushStyle
@@ -315,6 +317,39 @@ def test_only_a_push_that_ends_well_forgives_wheels_that_have_spun(is_pushed_wel
     monitor.check_goal(beside_goal(0.3), GOAL)
     assert (monitor.last_spin is None) == is_pushed_well
     assert monitor.count_spin(stall) != is_pushed_well
+
+
+@pytest.mark.parametrize('is_pushed_on', [False, True])
+def test_an_object_that_is_held_up_three_times_ends_a_task(is_pushed_on):
+    """Unless a push between them ends well, and brings it nearer."""
+    monitor = ProgressMonitor(SUPERVISION, AIM)
+    monitor.check_goal(beside_goal(0.5), GOAL)
+    hold_up = held_up(is_in_map=False)
+    for _ in range(MAX_HOLD_UPS - 1):
+        monitor.count_hold_up(hold_up)
+        # It has come nearer until then, which tells nothing of the next push.
+        monitor.check_goal(beside_goal(0.3), GOAL)
+        assert monitor.abort_cause is None and monitor.hold_up is hold_up
+    if is_pushed_on:
+        monitor.count_finished_push(straight_push(box(), Pose(-0.37, 0.0, 0.0), 0.1),
+                                    beside_goal(0.2).pose, GOAL)
+        monitor.check_goal(beside_goal(0.1), GOAL)
+    monitor.count_hold_up(hold_up)
+    assert (monitor.abort_cause is None) == is_pushed_on
+    if not is_pushed_on:
+        assert codes(monitor.abort_cause) == (TaskEvent.ABORTED, BehaviorFailure.HELD_UP)
+        assert monitor.failure is TaskFailure.NO_PROGRESS
+
+
+def test_a_base_that_stalls_at_what_it_has_pushed_is_not_too_weak():
+    """Something holds the object up; before the first push it may be too heavy."""
+    monitor = ProgressMonitor(SUPERVISION, AIM)
+    assert monitor.hold_up is None
+    plan = straight_push(box(), Pose(-0.37, 0.0, 0.0), 0.3)
+    monitor.count_finished_push(plan, Pose(0.02, 0.0, 0.0))
+    assert monitor.hold_up is None
+    monitor.count_finished_push(plan, Pose(0.25, 0.0, 0.0))
+    assert monitor.hold_up.code is BehaviorFailure.HELD_UP
 
 
 def test_pushes_that_leave_the_pose_to_the_last_digit_end_a_task():
