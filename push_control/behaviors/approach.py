@@ -14,7 +14,7 @@ from push_control.perception.view import View
 from push_control.steered.start import robot_start_pose
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.parameters import RoundRobot
-from push_model.signals import STOP, Twist
+from push_model.signals import PoseCovariance, STOP, Twist
 from push_model.trajectory import PushTrajectory
 from push_navigation.approach.approach_path import plan_approach
 from push_navigation.occupancy_map import OccupancyMap
@@ -40,6 +40,8 @@ SETTLING_DISTANCE = 0.02
 # a landmark, and length of the segments on which a holonomic base faces it [m]; chosen: some
 # periods of a camera, and turns of some degrees.
 LAST_LOOK_DISTANCE, FACING_SPACING = 0.12, 0.1
+# Time after which the robot stands that was to stop [s]; chosen: as of braking from 0.3 m/s.
+STOPPING_TIME = 0.3
 # Standard deviations of the robot's position that a gap must exceed to be there for certain.
 CERTAIN_SIGMAS = 3.0
 
@@ -79,9 +81,13 @@ class StandoffApproach(Behavior[TaskPerception]):
 
     def step(self, perception: TaskPerception, dt: float) -> Twist:
         """Compute the command."""
-        if perception.object_at_rest.duration > 0.0 and not perception.is_blind:
+        if not perception.is_blind:
             self._check_object(perception)
             if self.failure is not None:
+                perception.restart_averaging(perception.time + STOPPING_TIME)
+                return STOP
+            if perception.awaits_explanation:
+                self.pause()
                 return STOP
         robot_pose = perception.robot_pose
         object_pose = perception.object_at_rest.pose
@@ -132,7 +138,7 @@ class StandoffApproach(Behavior[TaskPerception]):
         if gap < -OVERLAP_TOLERANCE and not (was_displaced or is_relative):
             perception.update_from_contact(obj, robot, OVERLAP_TOLERANCE)
         at_rest = perception.object_at_rest
-        pose = at_rest.pose
+        pose, noise = at_rest.pose, self._pose_noise(perception)
         planned = Pose(*self._target.object_poses[0].tolist())
         if self._first_object_pose is None:
             self._first_object_pose = pose
@@ -140,7 +146,11 @@ class StandoffApproach(Behavior[TaskPerception]):
             if at_rest.is_biased:
                 self._moved_distance += CERTAIN_SIGMAS * at_rest.position_error
         may_touch = gap < settings.probe_distance + CERTAIN_SIGMAS * deviation
-        has_shifted = distance(pose, self._first_object_pose) > self._moved_distance
+        moved_distance = self._moved_distance
+        if noise is not None:
+            moved_distance = max(moved_distance,
+                                 settings.motion_gate_sigmas * noise.position_deviation)
+        has_shifted = distance(pose, self._first_object_pose) > moved_distance
         if may_touch and has_shifted and not (was_displaced or is_relative):
             contact_deviation = OVERLAP_TOLERANCE
             if gap > OVERLAP_TOLERANCE + CERTAIN_SIGMAS * deviation:
@@ -150,9 +160,15 @@ class StandoffApproach(Behavior[TaskPerception]):
             perception.update_from_contact(obj, robot, contact_deviation)
             perception.on_unexpected_contact()
             self.failure = BehaviorFailure.RAN_INTO_OBJECT.report()
-        elif has_moved(planned, pose, settings):
+        elif has_moved(planned, pose, settings, noise):
             perception.on_object_moved(planned)
             self.failure = BehaviorFailure.OBJECT_MOVED.report()
+
+    def _pose_noise(self, perception: TaskPerception) -> PoseCovariance | None:
+        """Return the noise of the object at rest where that is one pose, as while it moves."""
+        if perception.object_at_rest.duration > 0.0:
+            return None
+        return self._context.control.assumed_covariance(perception.object_pose)
 
     def _check_arrival(self, robot_pose: Pose, object_pose: Pose) -> None:
         error = displacement(robot_pose, self._pre_push_pose(object_pose),

@@ -34,6 +34,9 @@ RETURN_TIME = 0.75
 # Age of a pose, and time for which poses show an object at rest, that is seen [s]; chosen: three
 # periods of a slow camera with its latency, and two poses of it.
 PRESENT_TIME, SEEN_TIME = 0.35, 0.08
+# Time without a pose that is explained, while others come, after which a robot waits [s]; chosen:
+# two outliers in a row at 10 Hz, which trackers give by chance, take less.
+UNEXPLAINED_TIME = 0.35
 
 
 class TaskPerception(RawPerception):
@@ -193,6 +196,16 @@ class TaskPerception(RawPerception):
         """Tell whether poses come that show the object at rest."""
         average = self._window.object_at_rest
         return average is not None and self.has_fresh_pose and average.duration >= SEEN_TIME
+
+    @property
+    def awaits_explanation(self) -> bool:
+        """
+        Tell whether the object has not been where it should for longer than a tracker errs.
+
+        Another pose tells whether it was moved; where they come seldom, that takes long.
+        """
+        return (self._is_outlier and self._accepted is not None and self._pose_time is not None
+                and self._pose_time - self._accepted.time >= UNEXPLAINED_TIME)
 
     def measurement_fault(self, needs_object: bool) -> EventReport | None:
         """Tell why the measurements cannot be used; a robot that is blind needs no pose."""
