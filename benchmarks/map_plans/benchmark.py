@@ -18,8 +18,9 @@ from typing import Any, NamedTuple, Sequence
 from benchmarks.controller.tables import wilson
 from benchmarks.map_plans.ideal_push import Escape, find_escape
 from benchmarks.map_plans.instances import (
-    building, flat, Instance, Nook, nook, passage, public,
+    building, flat, Instance, nook, passage, public,
 )
+from benchmarks.tasks.nooks import Nook
 import numpy as np
 from push_control.supervision_settings import SupervisionSettings
 from push_model.plan_request import PlanFailure, PlanRequest

@@ -17,7 +17,7 @@ from benchmarks.tasks.bases import BAD_BASES, compared_jobs, LEARNED, TREATMENTS
 from benchmarks.tasks.cases import (
     BASE_PARTS, BASES, BY_ODOMETRY, draw, EYES_PARTS, FAR_ROBOTS, FLATS, IN_MAPS, jobs, KINDS,
     LIDAR_PARTS, odometry_jobs, OPEN, OWN_EYES, PARTS, PUBLIC_MAPS, SLOPES, SPATIAL_BASES,
-    SPATIAL_EYES, STRICT,
+    SPATIAL_EYES, STRICT, WALLS,
 )
 from benchmarks.tasks.eyes import ALWAYS_SEEN, EYES, seen_jobs
 from benchmarks.tasks.picture import picture
@@ -31,7 +31,7 @@ from push_scenario.parallel import ERROR, JobFunction, progress_bar, run_many
 DESCRIPTION = 'Benchmark of tasks: how many random goals are reached, how soon.'
 # Number of tasks of each part; those that are not here have 200. Strict: as many for each of two
 # tolerances. Bad bases: twenty with each. Eyes: 35 with each.
-COUNTS = {OPEN: 1000, STRICT: 400, FLATS: 100, FAR_ROBOTS: 50, PUBLIC_MAPS: 40,
+COUNTS = {OPEN: 1000, STRICT: 400, FLATS: 100, FAR_ROBOTS: 50, PUBLIC_MAPS: 40, WALLS: 105,
           BASES: 20 * len(BAD_BASES),
           SPATIAL_BASES: 20 * len(BAD_BASES), SLOPES: 16, OWN_EYES: 35 * len(EYES),
           SPATIAL_EYES: 35 * len(EYES)}

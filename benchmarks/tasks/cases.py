@@ -16,8 +16,9 @@ from benchmarks.tasks.bases import bad_base, BAD_BASES, GOOD, LEARNED, NOT_LEARN
 from benchmarks.tasks.eyes import ALWAYS_SEEN, EYES, eyes_scenario
 from benchmarks.tasks.intervention import Disturbance, Intervention
 from benchmarks.tasks.maps import (
-    draw_floor, FLAT, Floor, inner_reach, MAPS, places, places_in_flat, reach,
+    draw_floor, drawn_map, FLAT, Floor, inner_reach, MAPS, places, places_in_flat, reach,
 )
+from benchmarks.tasks.nooks import draw_nook_task, POSSIBLE
 from benchmarks.tasks.public_maps import draw_public_task
 from benchmarks.tasks.varieties import STRIDE, varied_jobs
 import numpy as np
@@ -54,10 +55,11 @@ OWN_EYES = 'eyes'
 SPATIAL_EYES = 'spatial eyes'
 FAR_ROBOTS = 'far robots'
 PUBLIC_MAPS = 'public maps'
+WALLS = 'walls'
 # The order enters the seeds of the draws: append only.
 PARTS = (OPEN, IN_MAPS, DISTURBED, SLIPPERY, CREEPING, FRICTIONLESS, WHEELS, TAG, STRICT,
          INFORMED, FLATS, SPATIAL, BASES, SPATIAL_BASES, SLOPES, OWN_EYES, SPATIAL_EYES,
-         FAR_ROBOTS, PUBLIC_MAPS)
+         FAR_ROBOTS, PUBLIC_MAPS, WALLS)
 # Parts whose base does not do what it is told.
 BASE_PARTS = (BASES, SPATIAL_BASES)
 # Parts whose robots are compared with themselves without a lidar.
@@ -84,6 +86,8 @@ ROBOT_WITHIN = 2.0
 # The same of far robots, whose goals are near [m]; chosen: anywhere in a flat, and one room.
 FAR_ROBOT_WITHIN = 10.0
 NEAR_IN_FLAT = 1.5
+# Sides of the cells of rooms with tasks at walls [m]; chosen: of fine and of coarse maps.
+CELLS = 0.025, 0.05, 0.1
 # How a task of far robots treats odometry: with a lidar beside it, or alone.
 BY_LIDAR, BY_ODOMETRY = 'lidar', 'odometry alone'
 # Least distance of the robot from the object, and of both from obstacles, at the start [m];
@@ -207,7 +211,10 @@ def draw(part: str, kind: str, seed: int, base: str = LEARNED, maps: str = '') -
     """
     if part in LIDAR_PARTS:
         case = _draw(part, kind, seed, maps)
-        return case._replace(variety=BY_ODOMETRY) if base == BY_ODOMETRY else _by_lidar(case)
+        return case._replace(variety=BY_ODOMETRY) if base == BY_ODOMETRY else (
+            _by_lidar(case)._replace(variety=BY_LIDAR))
+    if part == WALLS:
+        return _by_lidar(_at_walls(kind, seed))
     if part in (OPEN, IN_MAPS, FLATS, DISTURBED):
         return _draw(part, kind, seed)
     rng = np.random.default_rng((PARTS.index(part), KINDS[part].index(kind), seed))
@@ -286,6 +293,25 @@ def _in_public_map(kind: str, seed: int, maps: str) -> Case:
         task=Task(map=task.floor_map)))
 
 
+def _at_walls(kind: str, seed: int) -> Case:
+    """Draw a task from walls, to walls or along them."""
+    rng = np.random.default_rng((PARTS.index(WALLS), KINDS[WALLS].index(kind), seed))
+    name, drive = kind.split(', ')
+    robot = read_robot(data.config_file(f'robots/{ROBOTS[drive]}.yaml'))
+    believed, true = objects(name, rng, STRESSES[0], seed)
+    speed = rng.uniform(0.1, 0.25)
+    nook = POSSIBLE[seed % len(POSSIBLE)]
+    task = draw_nook_task(nook, true, robot, rng, is_square=bool(rng.integers(2)),
+                          resolution=float(rng.choice(CELLS)))
+    return Case(Scenario(
+        name='random', description=f'{WALLS}, {kind}, seed {seed}', object=believed,
+        true_object=true, robot=robot, true_robot=robot, goal=Placement(*task.goal),
+        start=Start(object=Placement(*task.start), robot=Placement(*task.robot_start)),
+        planner=PlannerSettings(pushing_speed=speed), sensors=SENSORS,
+        simulation=SimulationSettings(seed=seed), time_limit=TIME_LIMIT,
+        task=Task(map=drawn_map(task.occupancy_map))), nook.value)
+
+
 def _goal(rng: np.random.Generator) -> Pose:
     far = rng.uniform(NEAREST, FARTHEST)
     bearing, heading = rng.uniform(-math.pi, math.pi, 2)
@@ -295,7 +321,7 @@ def _goal(rng: np.random.Generator) -> Pose:
 def _by_lidar(case: Case) -> Case:
     """Give the robot a lidar, by which it finds its place in the map."""
     scenario = case.scenario
-    return case._replace(variety=BY_LIDAR, scenario=with_sensors(scenario, dataclasses.replace(
+    return case._replace(scenario=with_sensors(scenario, dataclasses.replace(
         scenario.sensors, lidar=LidarSensorSettings(rate=10.0))))
 
 

@@ -12,7 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from push_model.geometry import FloatArray, IntArray
 from push_model.parameters import PushedObject, RoundRobot
+from push_navigation.occupancy_map import OccupancyMap
 from push_scenario.definition.floor_map import FloorMap, FREE, OCCUPIED
+from push_scenario.definition.placement import Placement
 from scipy.ndimage import label
 
 # Side of a cell [m]; chosen: usual for occupancy maps of buildings.
@@ -120,6 +122,13 @@ def _draw_flat(rng: np.random.Generator) -> Floor:
             corner = rng.integers(first, np.array(last) - size, endpoint=True)
             blocks.append((*corner.tolist(), *(corner + size).tolist()))
     return Floor((side, side), np.vstack([_walls(side, side), np.array(blocks)]))
+
+
+def drawn_map(occupancy_map: OccupancyMap) -> FloorMap:
+    """Draw a map as a ``FloorMap``."""
+    rows = np.where(occupancy_map.occupied[::-1], OCCUPIED, FREE)
+    return FloorMap(occupancy_map.resolution, '\n'.join(''.join(row) for row in rows),
+                    Placement(*occupancy_map.origin))
 
 
 def places(floor: Floor, radius: float) -> tuple[IntArray, FloatArray]:

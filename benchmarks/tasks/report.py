@@ -10,7 +10,7 @@ from benchmarks.tasks.base_tables import base_table, weight_table
 from benchmarks.tasks.bases import LEARNED, treatment
 from benchmarks.tasks.cases import (
     BASE_PARTS, BASES, DISTURBED, EYES_PARTS, FAR_ROBOTS, IN_MAPS, LIDAR_PARTS, OPEN, OWN_EYES,
-    PARTS, SPATIAL_BASES, SPATIAL_EYES, STRICT, WHEELS,
+    PARTS, SPATIAL_BASES, SPATIAL_EYES, STRICT, WALLS, WHEELS,
 )
 from benchmarks.tasks.eyes_tables import eyes_table
 from benchmarks.tasks.groups import (
@@ -18,7 +18,7 @@ from benchmarks.tasks.groups import (
 )
 from benchmarks.tasks.tables import (
     collision_table, correction_table, effort_table, failure_table, recovery_table, state_table,
-    success_table,
+    success_table, wall_table,
 )
 
 TEXT = Path(__file__).with_name('tasks.md.in')
@@ -27,7 +27,8 @@ NOT_MEASURED = 'Not measured in this run.'
 SUMS = 'COUNTS', 'AIMS', 'STATES', 'VARIED', 'FAILURES', 'RECOVERIES'
 # Variations of the tasks on open floor.
 VARIED = tuple(part for part in PARTS
-               if part not in (OPEN, IN_MAPS, DISTURBED, *LIDAR_PARTS, *BASE_PARTS, *EYES_PARTS))
+               if part not in (OPEN, IN_MAPS, DISTURBED, WALLS, *LIDAR_PARTS, *BASE_PARTS,
+                               *EYES_PARTS))
 
 
 def text(jobs: Sequence[Job], records: Sequence[Record], page: str = '') -> str:
@@ -58,7 +59,7 @@ def text(jobs: Sequence[Job], records: Sequence[Record], page: str = '') -> str:
         CLEARANCES=collision_table(mapped) if mapped else NOT_MEASURED,
         DISTURBED=success_table(disturbed) if disturbed else NOT_MEASURED,
         BASES=_bases(all_pairs, BASES), SPATIALBASES=_bases(all_pairs, SPATIAL_BASES),
-        FARROBOTS=_far_robots(all_pairs),
+        FARROBOTS=_far_robots(all_pairs), WALLS=_at_walls(pairs),
         EYES=_eyes(all_pairs, OWN_EYES), SPATIALEYES=_eyes(all_pairs, SPATIAL_EYES),
         FAILURES=failure_table(pairs), RECOVERIES=recovery_table(pairs))
     return updated_page(TEXT, new, page, lambda name, value: (
@@ -80,6 +81,13 @@ def _far_robots(pairs: Sequence[Pair]) -> str:
     if not groups:
         return NOT_MEASURED
     return f'{success_table(groups)}\n\n{collision_table(groups)}'
+
+
+def _at_walls(pairs: Sequence[Pair]) -> str:
+    groups = grouped_parts(pairs, (WALLS,), variety) + grouped_parts(pairs, (WALLS,), kind)[1:]
+    if not groups:
+        return NOT_MEASURED
+    return f'{success_table(groups)}\n\n{wall_table(groups)}'
 
 
 def _eyes(pairs: Sequence[Pair], part: str) -> str:

@@ -6,9 +6,10 @@ import time
 from typing import Optional
 
 from benchmarks.controller.tables import Job, Record
-from benchmarks.tasks.cases import Case, draw, Tolerance
+from benchmarks.tasks.cases import Case, draw, Tolerance, WALLS
 from benchmarks.tasks.intervention import Intervention
 from benchmarks.tasks.maps import distinct_poses, Floor, object_clearance, robot_clearance
+from benchmarks.tasks.wall_contact import wall_record
 from benchmarks.tasks.weight import weight_record
 from push_control.task.code_text import code_text
 from push_control.task.status import SupervisorStatus, TaskState
@@ -101,6 +102,10 @@ def run(job: Job) -> Record:
         record.update(_clearances(case, case.floor, _tape(result)))
     elif case.scenario.task is not None and case.scenario.task.map is not None:
         record.update(_clearances_of_cells(case, case.scenario.task.map, _tape(result)))
+    if job['part'] == WALLS:
+        # Object and walls are meant to touch: how hard is what counts.
+        del record['object_clearance']
+        record.update(wall_record(_tape(result), case.scenario.true_object))
     if case.intervention is not None:
         record['moved_in'] = case.intervention.state
     return record

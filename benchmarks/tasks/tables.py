@@ -111,6 +111,25 @@ def collision_table(groups: Sequence[Group]) -> str:
                   'of the object, mm'], rows)
 
 
+def wall_table(groups: Sequence[Group]) -> str:
+    """
+    Write how walls are touched.
+
+    :param groups: list of ``Group``, of tasks at walls.
+    """
+    rows: list[Sequence[Any]] = []
+    for group in groups:
+        touches, presses, forces, depths = (
+            group.values(name, successful=False)
+            for name in ('robot_at_wall', 'pressed', 'wall_force', 'wall_depth'))
+        if len(touches):
+            rows.append((group.name, int((touches > 0.0).sum()), f'{max(touches):.1f}',
+                         int((presses > 0.0).sum()), spread(presses), f'{max(presses):.1f}',
+                         f'{max(forces):.0f}', f'{1e3 * max(depths):.1f}'))
+    return table(['', 'robot touches a wall', 'longest, s', 'object is pressed',
+                  's median, p95', 'longest, s', 'greatest force, N', 'depth, mm'], rows)
+
+
 def failure_table(pairs: Sequence[Pair]) -> str:
     """
     List the classes of failures, each with the first task that shows it.

@@ -1,7 +1,8 @@
 """Ideal pushes: what they can and cannot bring away from walls."""
 
 from benchmarks.map_plans.ideal_push import Escape, find_escape
-from benchmarks.map_plans.instances import bodies, Instance, Nook, nook
+from benchmarks.map_plans.instances import bodies, Instance, nook
+from benchmarks.tasks.nooks import Nook
 from helpers.maps import walled_room
 from push_model.geometry import Pose
 import pytest
