@@ -10,6 +10,7 @@ import json
 from pathlib import Path
 import sys
 
+from push_model.files.parameter_files import named_file
 from push_scenario.definition.loader import load_scenario
 from push_scenario.definition.scenario import Scenario
 from push_scenario.evaluation.headline import headline
@@ -19,6 +20,9 @@ from push_scenario.plots.figure import draw_figure, draw_floor
 from push_scenario.plots.plan_picture import draw_plan_picture
 from push_scenario.simulation.loop import simulate
 from push_scenario.simulation.result import RunResult
+from push_scenario.tidying.picture import draw_room
+from push_scenario.tidying.room import read_room
+from push_scenario.tidying.tidy import tidy
 
 DOCS = Path(__file__).resolve().parents[1]
 RECORD = DOCS / 'pictures.json'
@@ -26,6 +30,8 @@ RECORD = DOCS / 'pictures.json'
 RUNS = {'task_demo': ('feedback',), 'task_flat': ('feedback',),
         'corner_push_mismatch': ('open_loop', 'feedback', 'mpc')}
 
+# Room in a picture.
+ROOM = 'blocked_door'
 # Scenario whose first plan is drawn, and drift of the heading with which it is refused [rad/m].
 PLANNED, DRIFT = 'task_flat', 0.1
 
@@ -38,12 +44,18 @@ def main() -> int:
     draw_floor(runs['task_flat'][0], DOCS / 'concepts' / 'flat.png')
     draw_animation(runs['task_flat'], DOCS / 'concepts' / 'flat.gif')
     draw_plans()
+    draw_tidied_room()
     record = {name: {result.control_law: headline(result) for result in results}
               for name, results in runs.items()}
     RECORD.write_text(json.dumps(record, indent=2) + '\n', encoding='utf-8')
     print('written: demo.gif, laws.png, concepts/flat.png, concepts/flat.gif, concepts/plan.png, '
-          f'concepts/refusal.png, {RECORD.name}')
+          f'concepts/refusal.png, tidy.png, {RECORD.name}')
     return 0
+
+
+def draw_tidied_room() -> None:
+    """Draw how a blocked door is freed, and what came through it."""
+    draw_room(tidy(read_room(named_file('rooms', ROOM))), DOCS / 'tidy.png')
 
 
 def draw_plans() -> None:
