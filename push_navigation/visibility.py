@@ -87,6 +87,13 @@ def see_points(visibility: Visibility, point: FloatArray, points: FloatArray,
     return seen
 
 
+def warm_up(visibility: Visibility) -> None:
+    """Look along a line, so that the first path does not wait for the compiler."""
+    point, points, clearances = np.zeros(2), np.zeros((1, 2)), np.zeros(1)
+    see_points(visibility, point, points, clearances, 1.0)
+    last_seen(visibility, point, points, clearances, 1.0)
+
+
 @compiled
 def _see(visibility: Any, point: Any, points: Any, clearances: Any, spacing: float,
          seen: Any) -> None:

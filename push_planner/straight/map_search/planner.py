@@ -17,8 +17,10 @@ from push_model.geometry import BoolArray, distance, FloatArray, Pose, wrap_angl
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.plan_request import HEADING_TOLERANCE, PlanFailure, PlanRequest
 from push_model.trajectory import PushStyle
+from push_navigation import visibility
 from push_navigation.floor import make_floor
-from push_navigation.map_clearance import CERTAIN
+from push_navigation.map_clearance import CERTAIN, MapClearance, MapContext
+from push_navigation.obstacle import inflate
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.path_planner import CLEARANCE_STEPS
 from push_navigation.settings import DriveSettings
@@ -151,6 +153,10 @@ def warm_up(obj: PushedObject, robot: RoundRobot, drive: DriveSettings) -> None:
     with contextlib.suppress(PlanningFailed):
         plan_push_in_map(PlanRequest(Pose(0.0, 0.0, 0.0), beside, Pose(0.05, 0.0, 0.0), obj),
                          robot, PlannerSettings(), drive, room)
+    # The path to a first push beside the object follows no grid.
+    margins = MapClearance(MapContext(room), robot.radius, beside[:2], 0.0, 0.0)
+    visibility.warm_up(visibility.make_visibility(
+        margins, inflate(obj.outline, obj.radius, robot.radius), Pose(0.0, 0.0, 0.0)))
 
 
 def _with_any_heading(request: PlanRequest, occupancy_map: OccupancyMap,
