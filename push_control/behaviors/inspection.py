@@ -1,5 +1,6 @@
 """Inspection: drive round the object, to see it from another side."""
 
+import contextlib
 import math
 
 from push_control.behaviors.behavior import BehaviorContext, MeasurementNeed
@@ -7,11 +8,13 @@ from push_control.behaviors.path_execution import PathBehavior
 from push_control.perception.perception import TaskPerception
 from push_model.contact import find_contact
 from push_model.geometry import Pose
-from push_navigation.path import Path
+from push_navigation.path import NoPathFound, Path
 from push_navigation.path_planner import plan_path
 
-# Angle round the object to the next place [rad]; chosen: with the one before, three sides.
+# Angle round the object to the next place [rad]; chosen: with the one before, three sides. The
+# others are tried where obstacles keep the robot from there.
 VIEW_ANGLE = 2.0 * math.pi / 3.0
+OTHER_ANGLES = (-VIEW_ANGLE, 0.5 * math.pi, -0.5 * math.pi, 0.25 * math.pi, -0.25 * math.pi)
 # Gap to the object there [m]; chosen: clear of it wherever the bias puts it.
 VIEW_GAP = 0.15
 # Steps outwards to that gap; chosen: each leaves less than half of the distance.
@@ -29,17 +32,31 @@ class Inspection(PathBehavior[TaskPerception]):
 
         :raises ValueError: where there is none.
         """
+        try:
+            return self._path(perception, VIEW_ANGLE)
+        except NoPathFound:
+            for angle in OTHER_ANGLES:
+                with contextlib.suppress(NoPathFound):
+                    return self._path(perception, angle)
+            raise
+
+    def _path(self, perception: TaskPerception, angle: float) -> Path:
         context, robot_pose = self.context, perception.robot_pose
         object_pose = perception.localization.object_pose
         return plan_path(context.robot, context.obj, object_pose, robot_pose,
-                         viewing_pose(context, robot_pose, object_pose), context.drive,
+                         viewing_pose(context, robot_pose, object_pose, angle), context.drive,
                          occupancy_map=context.occupancy_map,
                          uncertainty=perception.position_uncertainty)
 
 
-def viewing_pose(context: BehaviorContext, robot_pose: Pose, object_pose: Pose) -> Pose:
-    """Choose where to see an object from another side; the robot faces along its path round it."""
-    bearing = VIEW_ANGLE + math.atan2(robot_pose.y - object_pose.y, robot_pose.x - object_pose.x)
+def viewing_pose(context: BehaviorContext, robot_pose: Pose, object_pose: Pose,
+                 angle: float) -> Pose:
+    """
+    Choose where to see an object from another side; the robot faces along its path round it.
+
+    :param angle: round the object [rad].
+    """
+    bearing = angle + math.atan2(robot_pose.y - object_pose.y, robot_pose.x - object_pose.x)
     facing = Pose(object_pose.x, object_pose.y, bearing)
     offset = distance_at_gap(context, object_pose, facing, VIEW_GAP)
     return facing @ Pose(offset, 0.0, 0.5 * math.pi)

@@ -68,3 +68,16 @@ def test_no_path_is_a_failure_with_its_reason():
     behavior, poses = inspect(box(), HOLONOMIC, PLACE @ Pose(-0.6, 0.1, 0.2), walls)
     assert behavior.failure is not None and not behavior.finished
     assert len(poses) == 1
+
+
+def test_the_object_is_seen_from_the_other_side_where_an_obstacle_is_on_this_one() -> None:
+    """As beside a wall."""
+    start = PLACE @ Pose(-0.6, 0.1, 0.2)
+    cells = np.zeros((60, 60), dtype=bool)
+    behind = bearing(start) + VIEW_ANGLE
+    x, y = PLACE.x + 0.55 * math.cos(behind), PLACE.y + 0.55 * math.sin(behind)
+    cells[int((y + 3.0) / 0.1), int((x + 3.0) / 0.1)] = True
+    behavior, poses = inspect(box(), HOLONOMIC, start,
+                              OccupancyMap(0.1, Pose(-3.0, -3.0, 0.0), cells))
+    assert behavior.finished and behavior.failure is None
+    assert abs(wrap_angle(bearing(poses[-1]) - bearing(start) + VIEW_ANGLE)) < 0.1
