@@ -24,7 +24,7 @@ from push_ros.conversions.plan_request import to_request_message
 from push_ros.conversions.primitives import check_frame, nanoseconds, to_pose_message, to_stamp
 from push_ros.diagnostics import ERROR, status_values, WARN
 from push_ros.push_interfaces import STATUS
-from push_ros.security_policy import permissions_of
+from push_ros.security_policy import permissions_of, POSES_OF_OBJECTS
 from push_ros.topics import CONTROLLER, PLANNER, SERVICES, SIM, TOPICS
 from push_scenario.definition.catalogue import find_scenario
 from push_scenario.definition.loader import read_scenario
@@ -502,7 +502,7 @@ def wait_for_the_list(b, name, *, has_optional=False):
 def check_policy(observer, name):
     """Compare what a node opens with its policy; some depends on settings and installation."""
     allowed = permissions_of(name)
-    depends = {'/clock', '/tf', '/tf_static', f'/{STATUS}', '/cmd_vel',
+    depends = {'/clock', '/tf', '/tf_static', f'/{STATUS}', '/cmd_vel', f'/{POSES_OF_OBJECTS}',
                *(f'/{topic}' for topic, entry in TOPICS.items() if entry.is_optional)}
     for names, list_names in (
             (allowed.publish, observer.get_publisher_names_and_types_by_node),
