@@ -1,10 +1,11 @@
 """Refusals of tasks in maps: a code for each cause, with the places and numbers behind it."""
 
 from collections.abc import Sequence
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from push_model.geometry import Pose
+from push_model.geometry import distance, Pose, wrap_angle
 from push_model.plan_request import PlanFailure
 from push_navigation.occupancy_map import OccupancyMap
 from push_planner.problem import PlanningFailed
@@ -18,6 +19,9 @@ from push_planner.straight.planner import ApproachPaths
 
 # A search that has not left this distance has found the object shut in [m].
 SHUT_IN_DISTANCE = 1.0
+# Distance from its goal up to which a refusal says how far the object is off [m]; chosen: what the
+# last pushes of a task bring it.
+NEAR_GOAL = 0.1
 END_CODES = {SearchEnd.EXHAUSTED: PlanFailure.BLOCKED, SearchEnd.LIMIT: PlanFailure.SEARCH_LIMIT}
 
 
@@ -100,11 +104,10 @@ class Refusals(NamedTuple):
         """
         faces = self._faces(pushes, clearance)
         with_room = sum(face.has_room for face in faces)
-        x, y = self._in_world(*self.poses.start[:2])
         return PlanningFailed(
-            PlanFailure.NO_FACE, f'the object at {x:.2f} m, {y:.2f} m cannot be pushed away: the '
-            f'robot has room at {with_room} of {len(faces)} faces, and reaches none from '
-            'where a push meets no obstacle', marks=RefusalMarks(faces=faces))
+            PlanFailure.NO_FACE, f'{self._object_text} cannot be pushed away: the robot has room '
+            f'at {with_room} of {len(faces)} faces, and reaches none from where a push meets no '
+            'obstacle', self._errors, RefusalMarks(faces=faces))
 
     def shut_in(self, result: SearchResult, pushes: Pushes, clearance: float) -> PlanningFailed:
         """
@@ -113,11 +116,10 @@ class Refusals(NamedTuple):
         :param pushes: ``Pushes``.
         :param clearance: that the robot keeps from obstacles at least [m].
         """
-        x, y = self._in_world(*self.poses.start[:2])
         return PlanningFailed(
-            PlanFailure.NO_FACE, f'the object at {x:.2f} m, {y:.2f} m cannot be pushed away: it '
-            f'moves by {result.farthest:.2f} m at most before the robot has no room for another '
-            'push', {'expansions': result.expansions, 'farthest': result.farthest},
+            PlanFailure.NO_FACE, f'{self._object_text} cannot be pushed away: it moves by '
+            f'{result.farthest:.2f} m at most before the robot has no room for another push',
+            {'expansions': result.expansions, 'farthest': result.farthest, **self._errors},
             RefusalMarks(faces=self._faces(pushes, clearance)))
 
     def incomplete(self, result: SearchResult) -> PlanningFailed:
@@ -131,6 +133,24 @@ class Refusals(NamedTuple):
             f'{result.end.value}, {result.expansions} expansions)',
             {'expansions': result.expansions}, RefusalMarks(
                 NarrowPlace(x, y, width), nearest=self.occupancy_map.origin @ nearest))
+
+    @property
+    def _errors(self) -> dict[str, Any]:
+        """Distance [m] and rotation [rad] of the object from its goal, for the report."""
+        start, _, goal = self.poses
+        return {'position_error': distance(start, goal),
+                'heading_error': abs(wrap_angle(goal.theta - start.theta))}
+
+    @property
+    def _object_text(self) -> str:
+        """Name the object by where it is, and where it is near its goal by how far it is off."""
+        x, y = self._in_world(*self.poses.start[:2])
+        text = f'the object at {x:.2f} m, {y:.2f} m'
+        errors = self._errors
+        if errors['position_error'] > NEAR_GOAL:
+            return text
+        return (f'{text}, {1e3 * errors["position_error"]:.0f} mm and '
+                f'{math.degrees(errors["heading_error"]):.1f} degrees from its goal,')
 
     def _faces(self, pushes: Pushes, clearance: float) -> tuple[FaceMark, ...]:
         """Mark where the robot would stand at each face, and whether it has room there."""
