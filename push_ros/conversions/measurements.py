@@ -1,6 +1,5 @@
 """Whole messages to values and back: measurements, goals, commands, forces."""
 
-import math
 from typing import Any, Sequence
 
 from builtin_interfaces.msg import Time
@@ -20,6 +19,9 @@ VARIANCE_INDICES = {'x': 0, 'y': 7, 'yaw': 35}
 # What the diagonal of a covariance holds where nothing is stated: what a message is made with, and
 # what some drivers write.
 NOT_STATED = (0.0, -1.0)
+# Largest variance of a pose [m^2] or [rad^2]; chosen: far above what any driver writes for a value
+# that it does not know, and far below what arithmetic cannot take.
+MAX_VARIANCE = 1e12
 
 
 def to_odometry_message(odometry: Odometry, frame: str, child_frame: str) -> OdometryMessage:
@@ -78,20 +80,22 @@ def from_covariance(values: Sequence[float], name: str) -> PoseCovariance | None
     :param name: what errors call it.
     :return: ``PoseCovariance``; None where the variance of x, y or yaw is 0 or -1, that is not
         stated.
-    :raises MessageRefused: where one of them is negative or not finite, or where the errors would
+    :raises MessageRefused: where one of them is negative or too large, or where the errors would
         be more than fully correlated.
     """
     variances = {axis: values[index] for axis, index in VARIANCE_INDICES.items()}
     for axis, variance in variances.items():
-        if not math.isfinite(variance) or (variance < 0.0 and variance not in NOT_STATED):
-            raise MessageRefused(f'{name}: got the variance {variance:g} of {axis}, expected a '
-                                 'finite number of at least 0, or -1 where none is stated')
+        if not (0.0 <= variance <= MAX_VARIANCE or variance in NOT_STATED):
+            raise MessageRefused(
+                f'{name}: got the variance {variance:g} of {axis}, expected a number from 0 to '
+                f'{MAX_VARIANCE:g}, or -1 where none is stated')
     if any(variance in NOT_STATED for variance in variances.values()):
         return None
     covariance = PoseCovariance(*(values[index] for index in COVARIANCE_INDICES))
     x_x, x_y, x_theta, y_y, y_theta, theta_theta = covariance
-    if not (x_y ** 2 <= x_x * y_y and x_theta ** 2 <= x_x * theta_theta
-            and y_theta ** 2 <= y_y * theta_theta):
+    # A square of so large a float as messages may have is an error, a product is infinite.
+    if not (x_y * x_y <= x_x * y_y and x_theta * x_theta <= x_x * theta_theta
+            and y_theta * y_theta <= y_y * theta_theta):
         raise MessageRefused(f'{name}: got {tuple(covariance)} for the upper triangle of x, y and '
                              'yaw, expected covariances within those of full correlation')
     return covariance

@@ -163,7 +163,8 @@ def test_a_covariance_that_is_not_stated_is_none(diagonal):
 
 @pytest.mark.parametrize('place, value, text', [
     (0, math.nan, 'variance nan of x'), (7, -0.5, 'variance -0.5 of y'),
-    (35, math.inf, 'variance inf of yaw'), (1, 2e-3, 'full correlation'),
+    (35, math.inf, 'variance inf of yaw'), (7, 1e200, 'variance 1e\\+200 of y'),
+    (1, 2e-3, 'full correlation'), (1, -1e200, 'full correlation'),
     (11, math.nan, 'full correlation')])
 def test_a_covariance_that_is_none_is_refused(place, value, text):
     """The error names the field and the axis."""
