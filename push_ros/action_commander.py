@@ -52,7 +52,8 @@ class ActionCommander(abc.ABC, Generic[Feedback, Result]):
     # Why a server rejects a goal.
     rejection = 'the server is inactive'
 
-    def __init__(self, namespace: str, frame: str, context: Context | None) -> None:
+    def __init__(self, namespace: str = '', *, frame: str = 'odom',
+                 context: Context | None = None) -> None:
         """
         Make a client; rclpy must be initialized.
 

@@ -22,7 +22,6 @@ from push_model.geometry import Pose
 from push_ros.action_commander import ActionCommander, PushOutcome
 from push_ros.conversions.primitives import seconds, to_stamp
 from push_ros.push_interfaces import ACTION, PushInterfaces
-from rclpy.context import Context
 
 __all__ = ['PushCommander', 'PushFeedback', 'PushOutcome', 'PushResult']
 
@@ -93,18 +92,6 @@ class PushCommander(ActionCommander[PushFeedback, PushResult]):
 
     server_name = 'controller'
     rejection = 'the controller is inactive'
-
-    def __init__(self, namespace: str = '', *, frame: str = 'odom',
-                 context: Context | None = None) -> None:
-        """
-        Make a client; rclpy must be initialized.
-
-        :param namespace: of the controller.
-        :param frame: frame of goals that are given as ``Pose``.
-        :param context: of rclpy; None for the usual one.
-        :raises ImportError: where ``push_control_msgs`` is not installed.
-        """
-        super().__init__(namespace, frame, context)
 
     def push_to(self, pose: Pose | PoseStamped, *, object_name: str = '',
                 position_tolerance: float = 0.0, heading_tolerance: float = 0.0,

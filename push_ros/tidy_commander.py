@@ -18,7 +18,6 @@ from push_model.geometry import Pose
 from push_ros.action_commander import ActionCommander, PushOutcome
 from push_ros.conversions.primitives import seconds, to_stamp
 from push_ros.push_interfaces import PushInterfaces, TIDY_ACTION
-from rclpy.context import Context
 
 
 class ObjectReport(NamedTuple):
@@ -86,18 +85,6 @@ class TidyCommander(ActionCommander[TidyFeedback, TidyResult]):
 
     server_name = 'node tidy'
     rejection = 'the node tidy has another goal'
-
-    def __init__(self, namespace: str = '', *, frame: str = 'odom',
-                 context: Context | None = None) -> None:
-        """
-        Make a client; rclpy must be initialized.
-
-        :param namespace: of the node.
-        :param frame: frame of goals that are given as ``Pose``.
-        :param context: of rclpy; None for the usual one.
-        :raises ImportError: where ``push_control_msgs`` is not installed.
-        """
-        super().__init__(namespace, frame, context)
 
     def tidy(self, goals: Mapping[str, Pose | PoseStamped], *, position_tolerance: float = 0.0,
              heading_tolerance: float = 0.0, time_limit: float = 0.0,

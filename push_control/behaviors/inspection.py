@@ -14,7 +14,8 @@ from push_navigation.path_planner import plan_path
 # Angle round the object to the next place [rad]; chosen: with the one before, three sides. The
 # others are tried where obstacles keep the robot from there.
 VIEW_ANGLE = 2.0 * math.pi / 3.0
-OTHER_ANGLES = (-VIEW_ANGLE, 0.5 * math.pi, -0.5 * math.pi, 0.25 * math.pi, -0.25 * math.pi)
+VIEW_ANGLES = (VIEW_ANGLE, -VIEW_ANGLE, 0.5 * math.pi, -0.5 * math.pi, 0.25 * math.pi,
+               -0.25 * math.pi)
 # Gap to the object there [m]; chosen: clear of it wherever the bias puts it.
 VIEW_GAP = 0.15
 # Steps outwards to that gap; chosen: each leaves less than half of the distance.
@@ -32,13 +33,10 @@ class Inspection(PathBehavior[TaskPerception]):
 
         :raises ValueError: where there is none.
         """
-        try:
-            return self._path(perception, VIEW_ANGLE)
-        except NoPathFound:
-            for angle in OTHER_ANGLES:
-                with contextlib.suppress(NoPathFound):
-                    return self._path(perception, angle)
-            raise
+        for angle in VIEW_ANGLES[:-1]:
+            with contextlib.suppress(NoPathFound):
+                return self._path(perception, angle)
+        return self._path(perception, VIEW_ANGLES[-1])
 
     def _path(self, perception: TaskPerception, angle: float) -> Path:
         context, robot_pose = self.context, perception.robot_pose

@@ -78,7 +78,9 @@ class SingleMoves:
         request.goal_pose.pose = to_pose_message(goal.pose)
         self._count += 1
         count = self._count
-        self._handle, self._on_end, self._is_cancelled = None, on_end, False
+        self._handle = None
+        self._on_end = on_end
+        self._is_cancelled = False
         sent = self._client.send_goal_async(request, feedback_callback=lambda message: (
             on_feedback(message.feedback) if count == self._count else None))
         sent.add_done_callback(lambda future: self._on_answer(count, future))
