@@ -1,8 +1,10 @@
 """Distances of points from the footprint of an object, and of footprints from each other."""
 
 import math
+from typing import Any
 
 import numpy as np
+from push_dynamics.compiled import compiled
 from push_model.geometry import FloatArray, Pose
 from push_model.parameters import PushedObject
 from push_navigation.obstacle import points_on_outline
@@ -33,20 +35,9 @@ def distances_to_object(points: FloatArray, obj: PushedObject, pose: Pose) -> Fl
     :return: shape (n,) [m], negative inside.
     """
     vertices, radius = footprint(obj)
-    if len(vertices) == 1:
-        return np.hypot(*(points - pose[:2]).T) - radius
-    c, s = math.cos(pose.theta), math.sin(pose.theta)
-    local = (points - pose[:2]) @ np.array([[c, -s], [s, c]])
-    squares = np.full(len(points), math.inf)
-    is_inside = np.ones(len(points), dtype=np.bool_)
-    for start, end in zip(vertices, np.roll(vertices, -1, axis=0)):
-        edge, away = end - start, local - start
-        is_inside &= edge[0] * away[:, 1] - edge[1] * away[:, 0] >= 0.0
-        part = np.clip(away @ edge / (edge @ edge), 0.0, 1.0)
-        away = away - part[:, None] * edge
-        squares = np.minimum(squares, (away ** 2).sum(axis=1))
-    distances = np.sqrt(squares)
-    return np.where(is_inside, -distances, distances)
+    distances = np.empty(len(points))
+    _measure(np.ascontiguousarray(points), pose, vertices, radius, distances)
+    return distances
 
 
 def object_gap(first: PushedObject, first_pose: Pose, second: PushedObject,
@@ -84,3 +75,26 @@ def _gap_of_outline(first: PushedObject, first_pose: Pose, second: PushedObject,
     points = vertices if len(vertices) == 1 else points_on_outline(first.outline, OUTLINE_SPACING)
     gaps = distances_to_object(placed_points(points, first_pose), second, second_pose)
     return float(gaps.min()) - radius
+
+
+@compiled
+def _measure(points: FloatArray, pose: Any, vertices: FloatArray, radius: float,
+             distances: FloatArray) -> None:
+    """Write the distances of points from a convex polygon, or from a disc: it has one vertex."""
+    c, s = math.cos(pose.theta), math.sin(pose.theta)
+    count = len(vertices)
+    for row in range(len(points)):
+        d_x, d_y = points[row, 0] - pose.x, points[row, 1] - pose.y
+        x, y = c * d_x + s * d_y, c * d_y - s * d_x
+        square, is_inside = math.inf, count > 1
+        for start in range(count):
+            end = (start + 1) % count
+            e_x, e_y = vertices[end, 0] - vertices[start, 0], vertices[end, 1] - vertices[start, 1]
+            a_x, a_y = x - vertices[start, 0], y - vertices[start, 1]
+            is_inside = is_inside and e_x * a_y - e_y * a_x >= 0.0
+            length = e_x * e_x + e_y * e_y
+            part = min(1.0, max(0.0, (a_x * e_x + a_y * e_y) / length)) if length > 0.0 else 0.0
+            a_x, a_y = a_x - part * e_x, a_y - part * e_y
+            square = min(square, a_x * a_x + a_y * a_y)
+        distance = math.sqrt(square)
+        distances[row] = -distance if is_inside else distance - radius
