@@ -70,6 +70,7 @@ class ActiveController:
         self._reporter = node.reporter
         self._parameters = parameters
         self._world = world
+        self._catalogue = catalogue
         self._scene = ScenePublisher(node, parameters)
         self._placing = RobotPlacing(parameters, world)
         self.pursuit = GoalPursuit(node, parameters, self._scene, self._placing)
@@ -133,19 +134,38 @@ class ActiveController:
 
     def _pose_receiver(self, name: str) -> Callable[[Any], None]:
         """
-        Make what receives the poses of an object; those of others than the present one are left.
+        Make what receives the poses of an object; where others are, scans have to know at most.
 
         :param name: of one of several objects; empty where there is but one.
         """
-        receive = self._world.receiver(
-            f'object_pose of {name}' if name else 'object_pose', Handlers(
-                self.on_object_pose, self._refuse_measurement,
-                accept_relative=self.on_relative_pose))
+        topic = f'object_pose of {name}' if name else 'object_pose'
+        receive = self._world.receiver(topic, Handlers(
+            self.on_object_pose, self._refuse_measurement,
+            accept_relative=self.on_relative_pose))
+        note = self._standing_receiver(topic, name) if self._placing.sees_objects else None
 
-        def receive_present(message: Any) -> None:
-            if name in ('', self._parameters.named_object[0]):
+        def receive_named(message: Any) -> None:
+            if name == self._parameters.named_object[0]:
                 receive(message)
-        return receive_present if name else receive
+            elif note is not None:
+                note(message)
+        return receive_named if name else receive
+
+    def _standing_receiver(self, topic: str, name: str) -> Callable[[Any], None] | None:
+        """Make what receives the poses of an object that is not pushed; None of an unknown one."""
+        try:
+            obj = self._catalogue.find(name)
+        except ValueError as error:
+            self._node.get_logger().warning(f'scans take {name!r} for walls: {error}')
+            return None
+
+        def note(message: Any) -> None:
+            pose = from_object_pose_message(
+                message, self._parameters.frames.world_frame, topic).pose
+            self._placing.note_standing(name, obj, pose)
+        return self._world.receiver(topic, Handlers(
+            lambda message: self._handle(note, message),
+            lambda error, _: self._reporter.report(ERROR, str(error))))
 
     def _subscribe_place(self) -> None:
         """Subscribe to what measures the place of the robot in the map, if anything does."""
@@ -428,7 +448,7 @@ class ActiveController:
         name, obj = self._parameters.named_object
         self.pursuit.set_object(self._parameters)
         self._gate.set_object(obj)
-        self._placing.set_object(obj)
+        self._placing.set_object(name, obj)
         self._scene.set_object(obj)
         self._latest.object_pose = None
         if self._action is not None:

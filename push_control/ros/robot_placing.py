@@ -46,6 +46,8 @@ class RobotPlacing:
         self._map_std = 0.0
         self._mount = LidarMount(self._settings.mount_pose)
         self._localizer: LidarLocalizer | None = None
+        # Objects that are not pushed, and their poses, by name.
+        self._standing: dict[str, tuple[PushedObject, Pose]] = {}
         if self._settings.source == 'scan':
             self._localizer = LidarLocalizer(self._settings, parameters.object)
         self._radius = parameters.robot.radius
@@ -57,6 +59,11 @@ class RobotPlacing:
     def awaits_scan(self) -> bool:
         """Tell whether scans place the robot, and none has come."""
         return self._localizer is not None and not self._has_scan
+
+    @property
+    def sees_objects(self) -> bool:
+        """Tell whether scans place the robot that see objects, too."""
+        return self._localizer is not None and self._settings.sees_object
 
     def _make_field(self) -> ProtectiveField | None:
         if self._localizer is None or self._settings.slow_distance == 0.0:
@@ -80,10 +87,27 @@ class RobotPlacing:
         if self._localizer is not None:
             self._localizer.reset()
 
-    def set_object(self, obj: PushedObject) -> None:
-        """Push another object."""
+    def set_object(self, name: str, obj: PushedObject) -> None:
+        """
+        Push another object.
+
+        :param name: its name, or empty.
+        """
         if self._localizer is not None:
             self._localizer.set_object(obj)
+            self._standing.pop(name, None)
+            self._localizer.set_standing(list(self._standing.values()))
+
+    def note_standing(self, name: str, obj: PushedObject, pose: Pose) -> None:
+        """
+        Note where an object is that is not pushed: scans see it, and the map does not have it.
+
+        :param name: its name.
+        :param pose: its ``Pose`` in the world.
+        """
+        if self._localizer is not None:
+            self._standing[name] = obj, pose
+            self._localizer.set_standing(list(self._standing.values()))
 
     # The map.
 

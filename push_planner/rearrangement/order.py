@@ -20,7 +20,7 @@ from push_planner.rearrangement.problem import (
     Move, NamedObject, OrderPlan, Rearrangement)
 from push_planner.rearrangement.temporary_places import temporary_places
 
-# Grid points that a search visits; chosen: one to two seconds.
+# Grid points that a search visits; chosen: half a second.
 MAX_WORK = 6_000_000
 # Temporary places that an order may use for each object; chosen: more than one is rare.
 MAX_TEMPORARY = 2
