@@ -5,7 +5,7 @@ from importlib import util
 # Extra of the package that brings a module.
 EXTRAS = {'aiohttp': 'play', 'argcomplete': 'completion', 'casadi': 'steered',
           'distributed': 'cluster', 'gymnasium': 'gym', 'matplotlib': 'plot',
-          'mujoco': 'validation', 'pandas': 'table', 'PIL': 'plot', 'py_trees': 'trees',
+          'mujoco': 'mujoco', 'pandas': 'table', 'PIL': 'plot', 'py_trees': 'trees',
           'rosbags': 'record', 'segno': 'play', 'tqdm': 'plot'}
 
 

@@ -13,11 +13,11 @@ import statistics
 import time
 from typing import Callable, Optional, Sequence
 
-from benchmarks.plant.mujoco_plant import MujocoPlant
-from benchmarks.plant.mujoco_scene import DEFAULT, Engine, HARD, TUNED
 from benchmarks.plant.scenes import apart, extrapolated, MovingObject, ORIGIN, Scene, SCENES
 from benchmarks.report_template import fill_template
 from push_model.geometry import Pose
+from push_mujoco.scene import DEFAULT, Engine, HARD, TUNED
+from push_mujoco.velocity_robot import MujocoPlant
 from tqdm import tqdm
 
 DESCRIPTION = 'Speed and error of the plant, against MuJoCo on the same pushes.'

@@ -4,13 +4,13 @@ import dataclasses
 import math
 from typing import Callable, NamedTuple, Sequence
 
-from benchmarks.plant.mujoco_plant import MujocoPlant
-from benchmarks.plant.mujoco_scene import DEFAULT, Engine, HARD, Room, TUNED
 from benchmarks.plant.scenes import ORIGIN, robot_without_lag
 from push_dynamics.walls import Wall
 from push_model.geometry import Pose, wrap_angle
 from push_model.parameters import Outline, PushedObject, RoundRobot, Support
 from push_model.signals import Twist
+from push_mujoco.scene import DEFAULT, Engine, HARD, Room, TUNED
+from push_mujoco.velocity_robot import MujocoPlant
 from push_sim_node.plant import Plant
 from push_sim_node.truth import ContactMode
 

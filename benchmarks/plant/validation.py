@@ -14,13 +14,13 @@ from typing import Iterator, Sequence
 from benchmarks.plant.comparison import (
     by_mujoco, by_plant, ENGINES, ORIGIN, pose_difference, PoseDifference, Push, PUSHES, RAISED,
 )
-from benchmarks.plant.mujoco_scene import Engine, TUNED
 from benchmarks.report_template import fill_template
 import mujoco
 from push_model.contact import contact_point, find_contact
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject
 from push_model.quasi_static import quasi_static_yaw_rate
+from push_mujoco.scene import Engine, TUNED
 from tqdm import tqdm
 
 DESCRIPTION = 'Write the comparison of the plant with MuJoCo: tables and a figure.'

@@ -18,12 +18,12 @@ from typing import NamedTuple
 
 from benchmarks.controller.timing import timed
 from benchmarks.nodes import resident_memory
-from benchmarks.plant.mujoco_plant import MujocoPlant
 import numpy as np
 from push_model.files.data import config_file
 from push_model.geometry import Pose
 from push_model.plan_request import PlanRequest
 from push_model.signals import Twist
+from push_mujoco.velocity_robot import MujocoPlant
 from push_planner.straight.planner import plan_straight_push
 from push_scenario import load_scenario, read_object, read_robot, simulate
 

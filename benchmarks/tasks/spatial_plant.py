@@ -4,11 +4,11 @@ import dataclasses
 import math
 from typing import Any, ClassVar
 
-from benchmarks.plant.mujoco_plant import MujocoPlant
-from benchmarks.plant.mujoco_scene import BASE_MASS, DEFAULT, Engine
 from push_model.geometry import Pose
 from push_model.parameters import GRAVITY, PushedObject, RoundRobot
 from push_model.signals import Twist
+from push_mujoco.scene import BASE_MASS, DEFAULT, Engine
+from push_mujoco.velocity_robot import MujocoPlant
 from push_sim_node.plant import IMMEDIATE_DRIVE, Plant
 
 # MuJoCo as it is, with soft contacts, which slip under any tangential force; but for the cone,

@@ -10,8 +10,8 @@ from push_model.signals import STOP
 from push_sim_node.plant import Plant
 import pytest
 
-comparison = import_extra('mujoco', 'validation', 'benchmarks.plant.comparison')
-MujocoPlant = import_extra('mujoco', 'validation', 'benchmarks.plant.mujoco_plant').MujocoPlant
+comparison = import_extra('mujoco', 'mujoco', 'benchmarks.plant.comparison')
+MujocoPlant = import_extra('mujoco', 'mujoco', 'push_mujoco.velocity_robot').MujocoPlant
 by_mujoco, by_plant = comparison.by_mujoco, comparison.by_plant
 pose_difference, PUSHES = comparison.pose_difference, comparison.PUSHES
 DEFAULT, HARD, TUNED = comparison.DEFAULT, comparison.HARD, comparison.TUNED

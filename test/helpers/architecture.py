@@ -12,7 +12,7 @@ ROOT = Path(__file__).resolve().parents[2]
 GENERATED = {'.git', '.venv', '.pytest_cache', '__pycache__', 'build', 'install', 'log', 'out'}
 PLAIN = ('push_model', 'push_dynamics', 'push_primitives', 'push_navigation', 'push_base',
          'push_localization', 'push_safety', 'push_planner', 'push_control', 'push_sim_node',
-         'push_tidy', 'push_scenario')
+         'push_mujoco', 'push_tidy', 'push_scenario')
 # What predicts pushes, below planner and controller.
 PREDICTION = {'push_model', 'push_dynamics', 'push_primitives', 'push_navigation'}
 MAY_IMPORT = {
@@ -27,6 +27,8 @@ MAY_IMPORT = {
     'push_safety': {'push_model', 'push_dynamics', 'push_base', 'push_localization'},
     'push_control': PREDICTION | {'push_base', 'push_localization', 'push_safety'},
     'push_sim_node': {'push_model', 'push_dynamics'},
+    # Another engine behind the simulation.
+    'push_mujoco': {'push_model', 'push_dynamics', 'push_sim_node', 'push_tags'},
     # Moves of several objects, each made by the controller of one.
     'push_tidy': PREDICTION | {'push_planner', 'push_control'},
     'push_tracker': {'push_model'},

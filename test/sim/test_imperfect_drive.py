@@ -32,7 +32,7 @@ def plants():
 def make_plant(make, robot, faults=DriveImperfections(), **options):
     """Return a plant whose robot is far from the object, unless told otherwise."""
     if make == 'spatial':
-        make = import_extra('mujoco', 'validation', 'benchmarks.tasks.spatial_plant').SpatialPlant
+        make = import_extra('mujoco', 'mujoco', 'benchmarks.tasks.spatial_plant').SpatialPlant
     obj = options.get('obj') or box()
     return make(obj, robot, options.get('object_pose', FAR), Pose(0.0, 0.0, 0.0),
                 imperfections=faults)

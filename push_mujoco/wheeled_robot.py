@@ -1,7 +1,7 @@
 """
 A robot on two driven wheels and a caster in MuJoCo: odometry, pushing force, push and lidar.
 
-A prototype beside the package's model, whose robot goes where it is sent whatever it pushes. A
+In the package's model the robot goes where it is sent, whatever it pushes; here it does not. A
 push at height h lifts the front, where the caster stands at c, and loads the wheels. With the mass
 m centred at x, and friction mu of the wheels, moments about the caster give the largest force
 
@@ -14,13 +14,15 @@ import dataclasses
 import math
 from typing import Any
 
-from benchmarks.plant.mujoco_scene import (Contact, object_part, pair, Part, planar_pose, Room,
-                                           scene_xml, SETTLING_TIME, TUNED, walls_part, xml)
 import mujoco
 import numpy as np
 from push_dynamics.walls import Wall
 from push_model.geometry import FloatArray, Pose
 from push_model.parameters import GRAVITY, PushedObject
+from push_mujoco.scene import (
+    Contact, object_part, pair, Part, planar_pose, Room, scene_xml, SETTLING_TIME, TUNED,
+    walls_part, xml,
+)
 
 # MuJoCo defines these in an extension module without type stubs.
 _mujoco: Any = mujoco

@@ -13,8 +13,8 @@ from push_sim_node.lidar import distances_to_segments
 from push_sim_node.plant import Plant
 import pytest
 
-wheeled_robot = import_extra('mujoco', 'validation', 'benchmarks.plant.wheeled_robot')
-comparison = import_extra('mujoco', 'validation', 'benchmarks.plant.comparison')
+wheeled_robot = import_extra('mujoco', 'mujoco', 'push_mujoco.wheeled_robot')
+comparison = import_extra('mujoco', 'mujoco', 'benchmarks.plant.comparison')
 TURTLEBOT_4, WheeledPlant = wheeled_robot.TURTLEBOT_4, wheeled_robot.WheeledPlant
 Room = wheeled_robot.Room
 pytestmark = pytest.mark.physics

@@ -1,7 +1,7 @@
 """
 Scenes of MuJoCo, written part by part: a floor, walls, an object on small feet, and its pusher.
 
-Only the pairs of shapes that a part names touch.
+Only the pairs of shapes that a part names touch. What only cameras see is in ``appearance``.
 """
 
 import dataclasses
@@ -23,6 +23,10 @@ ROBOT_HALF_HEIGHT = 0.4
 BASE_MASS = 1e6
 # Thickness and height of a wall [m]; chosen: nothing passes it.
 WALL_THICKNESS, WALL_HEIGHT = 0.1, 0.4
+# Thickness of a wall that acts from both sides [m]; chosen: its faces are where its line is.
+THIN_WALL = 0.002
+# Group of shapes that touch, and that cameras do not see.
+HIDDEN_GROUP = 3
 # Time that the object gets to sink to its rest on the soft floor [s]; chosen: many time constants.
 SETTLING_TIME = 0.5
 SolverParameters = tuple[float, float]
@@ -130,16 +134,38 @@ def planar_pose(coordinates: FloatArray) -> Pose:
     return Pose(x, y, 2.0 * math.atan2(z, w))
 
 
-def outline_geom(obj: PushedObject) -> str:
-    """Write the outline: a box for a rectangle about the frame's axes, a cylinder for a disc."""
+class Shape(NamedTuple):
+    """
+    XML of a shape.
+
+    :param geom: attributes of the shape.
+    :param assets: meshes that it is made of.
+    """
+
+    geom: str
+    assets: str = ''
+
+
+def prism(obj: PushedObject, name: str, low: float, high: float) -> Shape:
+    """
+    Write the body above the outline, between two heights.
+
+    It is a box for a rectangle along the axes, a cylinder for a disc, else a mesh.
+
+    :param name: of the mesh.
+    :param low: lower end [m].
+    :param high: upper end [m].
+    """
+    half, middle = (high - low) / 2, (high + low) / 2
     if obj.radius:
-        return (f'type="cylinder" size="{xml(obj.radius, HALF_HEIGHT)}" '
-                f'pos="{xml(0, 0, obj.contact_height)}"')
-    low, high = np.min(obj.outline, axis=0), np.max(obj.outline, axis=0)
-    if len(obj.outline) != 4 or not np.isin(obj.outline, [low, high]).all():
-        raise ValueError(f'outline: got {obj.outline}, expected a rectangle along the axes')
-    size, middle = (high - low) / 2, (high + low) / 2
-    return f'type="box" size="{xml(*size, HALF_HEIGHT)}" pos="{xml(*middle, obj.contact_height)}"'
+        return Shape(f'type="cylinder" size="{xml(obj.radius, half)}" pos="{xml(0, 0, middle)}"')
+    corner, opposite = np.min(obj.outline, axis=0), np.max(obj.outline, axis=0)
+    if len(obj.outline) == 4 and np.isin(obj.outline, [corner, opposite]).all():
+        size, center = (opposite - corner) / 2, (opposite + corner) / 2
+        return Shape(f'type="box" size="{xml(*size, half)}" pos="{xml(*center, middle)}"')
+    vertices = [coordinate for z in (low, high) for vertex in obj.outline
+                for coordinate in (*vertex, z)]
+    return Shape(f'type="mesh" mesh="{name}"', f'<mesh name="{name}" vertex="{xml(*vertices)}"/>')
 
 
 def pair(one: str, other: str, mu: float, contact: Contact) -> str:
@@ -149,20 +175,23 @@ def pair(one: str, other: str, mu: float, contact: Contact) -> str:
             f' solimp="{xml(*contact.impedance, 1e-3, 0.5, 2)}" margin="{contact.margin}"/>')
 
 
-def wall_geom(name: str, wall: Wall, origin: Coordinates) -> str:
+def wall_geom(name: str, wall: Wall, origin: Coordinates | None) -> str:
     """
-    Write a wall: a block with one face on the segment, behind it.
+    Write a wall: a block with one face on the segment, behind it, or a thin one along it.
 
-    :param origin: (x, y) of the object, which tells the side [m].
+    :param origin: (x, y) of the object, which tells the side [m]; None: it acts from both.
     """
     length = math.hypot(wall.end_x - wall.start_x, wall.end_y - wall.start_y)
     angle = math.atan2(wall.end_y - wall.start_y, wall.end_x - wall.start_x)
     frame = Pose(wall.start_x, wall.start_y, angle)
-    side = math.copysign(WALL_THICKNESS / 2, frame.inverse().transform(origin[:2])[1])
+    half, side = THIN_WALL / 2, 0.0
+    if origin is not None:
+        half = WALL_THICKNESS / 2
+        side = math.copysign(half, frame.inverse().transform(origin[:2])[1])
     x, y = frame.transform((length / 2, -side))
     return (f'<geom name="{name}" type="box" pos="{xml(x, y, WALL_HEIGHT / 2)}" '
             f'euler="{xml(0, 0, math.degrees(angle))}" '
-            f'size="{xml(length / 2, WALL_THICKNESS / 2, WALL_HEIGHT)}"/>')
+            f'size="{xml(length / 2, half, WALL_HEIGHT / 2)}"/>')
 
 
 class Part(NamedTuple):
@@ -172,15 +201,23 @@ class Part(NamedTuple):
     :param bodies: bodies, or shapes that stand still.
     :param pairs: of shapes that may touch.
     :param actuators: motors.
+    :param assets: meshes, textures and materials.
     """
 
     bodies: str
-    pairs: str
+    pairs: str = ''
     actuators: str = ''
+    assets: str = ''
 
 
-def object_part(obj: PushedObject, engine: Engine) -> Part:
-    """Write the object, a free body on its feet; its outline is the shape 'outline'."""
+def object_part(obj: PushedObject, engine: Engine, looks: str = '') -> Part:
+    """
+    Write the object, a free body on its feet; its outline is the shape 'outline'.
+
+    :param looks: shapes of it that only cameras and lidars see.
+    """
+    outline = prism(obj, 'outline', obj.contact_height - HALF_HEIGHT,
+                    obj.contact_height + HALF_HEIGHT)
     feet = ''.join(f'<geom name="foot{i}" type="sphere" size="{FOOT_RADIUS}" '
                    f'pos="{xml(foot.x, foot.y, FOOT_RADIUS)}"/>'
                    for i, foot in enumerate(obj.supports))
@@ -192,8 +229,8 @@ def object_part(obj: PushedObject, engine: Engine) -> Part:
     <body name="object">
       <freejoint/>
       <inertial pos="{center}" mass="{obj.mass}" diaginertia="{inertia}"/>
-      <geom name="outline" {outline_geom(obj)}/>{feet}
-    </body>""", pairs)
+      <geom name="outline" {outline.geom} group="{HIDDEN_GROUP}"/>{feet}{looks}
+    </body>""", pairs, assets=outline.assets)
 
 
 def pusher_part(obj: PushedObject, robot: RoundRobot, engine: Engine) -> Part:
@@ -214,11 +251,11 @@ def pusher_part(obj: PushedObject, robot: RoundRobot, engine: Engine) -> Part:
                      engine.outline_contact))
 
 
-def walls_part(room: Room, engine: Engine, origin: Coordinates) -> Part:
+def walls_part(room: Room, engine: Engine, origin: Coordinates | None) -> Part:
     """
     Write walls that stop the object.
 
-    :param origin: (x, y) of the object at first [m].
+    :param origin: as of ``wall_geom``.
     """
     return Part(
         ''.join(wall_geom(f'wall{i}', wall, origin) for i, wall in enumerate(room.walls)),
@@ -226,16 +263,26 @@ def walls_part(room: Room, engine: Engine, origin: Coordinates) -> Part:
                 for i in range(len(room.walls))))
 
 
-def scene_xml(engine: Engine, *parts: Part) -> str:
-    """Write a scene of a floor and parts; the joints follow the order of the parts."""
+def scene_xml(engine: Engine, *parts: Part, floor: str = '') -> str:
+    """
+    Write a scene of a floor and parts; the joints follow the order of the parts.
+
+    :param floor: attributes of how the floor looks.
+    """
     return f"""
 <mujoco>
   <option timestep="{engine.step}" cone="{engine.cone}" impratio="{engine.impratio}"
           tolerance="{engine.tolerance}" iterations="{engine.iterations}"
           gravity="{xml(*engine.gravity)}"/>
+  <statistic extent="1"/>
+  <visual>
+    <headlight ambient="0.5 0.5 0.5" diffuse="0.3 0.3 0.3" specular="0 0 0"/>
+    <map znear="0.01" zfar="60"/>
+  </visual>
+  <asset>{''.join(part.assets for part in parts)}</asset>
   <default><geom contype="0" conaffinity="0"/></default>
   <worldbody>
-    <geom name="floor" type="plane" size="9 9 1"/>{''.join(part.bodies for part in parts)}
+    <geom name="floor" type="plane" size="9 9 1"{floor}/>{''.join(part.bodies for part in parts)}
   </worldbody>
   <contact>{''.join(part.pairs for part in parts)}</contact>
   <actuator>{''.join(part.actuators for part in parts)}</actuator>

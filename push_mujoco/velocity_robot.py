@@ -8,13 +8,15 @@ no load shifts from foot to foot.
 import math
 from typing import Any
 
-from benchmarks.plant.mujoco_scene import (DEFAULT, Engine, object_part, planar_pose, pusher_part,
-                                           Room, scene_xml, SETTLING_TIME, walls_part)
 import mujoco
 from push_dynamics.actuation import chord_velocity, limit_command, track_command
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import Twist
+from push_mujoco.scene import (
+    DEFAULT, Engine, object_part, planar_pose, pusher_part, Room, scene_xml, SETTLING_TIME,
+    walls_part,
+)
 
 # MuJoCo defines these in an extension module without type stubs.
 _mujoco: Any = mujoco

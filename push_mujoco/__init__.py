@@ -1,0 +1,1 @@
+"""A robot with wheels, bumper, lidar and camera in MuJoCo, and images of what it sees."""
