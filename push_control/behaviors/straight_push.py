@@ -23,6 +23,8 @@ from push_control.behaviors.rollout_law import RolloutLaw
 from push_control.behaviors.walls_beside import walls_beside
 from push_control.perception.contact_consistency import Touch
 from push_control.perception.ensemble.contact_hypotheses import ContactHypotheses
+from push_control.perception.ensemble.ensemble_state import RobotMemory
+from push_control.perception.ensemble.missed_push import after_missed_push
 from push_control.perception.object_at_rest import Tap
 from push_control.perception.perception import TaskPerception
 from push_control.steered.laws.braking import braking_distance
@@ -464,7 +466,15 @@ class StraightPush(Behavior[TaskPerception]):
         ratio = radius / max(math.hypot(x, y), 1e-9) if math.isfinite(radius) else 0.0
         front = robot_pose.x + ratio * x, robot_pose.y + ratio * y
         return Tap(progress.before, progress.pushed, progress.driven, front, progress.deviation,
-                   was_seen=progress.has_moved)
+                   None if progress.has_moved else self._missed_memory())
+
+    def _missed_memory(self) -> RobotMemory:
+        """Return what is known of the robot if the push has met nothing."""
+        memory, odometry = self._memory, self._ensemble.odometry
+        if odometry is None or self._ensemble.is_relative:
+            return memory
+        return after_missed_push(memory, odometry.pose, self._obj, self._robot.radius,
+                                 self._progress.before.pose)
 
     def _miss(self, cause: BehaviorFailure, perception: TaskPerception) -> Twist:
         """Give up, as the robot is not where it is estimated to be."""
@@ -475,8 +485,10 @@ class StraightPush(Behavior[TaskPerception]):
             perception.update_from_contact(self._obj, self._robot, TOUCHING_STD)
             return STOP
         # What was inferred from a contact that there was not is wrong.
-        self._ensemble.restore_robot(self._memory, MISS_STD, MISS_HEADING_STD)
-        if cause is BehaviorFailure.TOUCHED_EARLY:
+        is_early = cause is BehaviorFailure.TOUCHED_EARLY
+        memory = self._memory if is_early else self._missed_memory()
+        self._ensemble.restore_robot(memory, MISS_STD, MISS_HEADING_STD)
+        if is_early:
             perception.on_unexpected_contact()
             perception.on_object_moved(self._progress.before.pose)
         else:

@@ -8,6 +8,7 @@ from typing import Collection, NamedTuple
 
 import numpy as np
 from push_control.events import PerceptionEvent
+from push_control.perception.ensemble.ensemble_state import RobotMemory
 from push_control.settings import ControlSettings
 from push_control.supervision_settings import SupervisionSettings
 from push_model.events import Report
@@ -266,7 +267,8 @@ class Tap(NamedTuple):
     :param driven: displacement of the robot from the touch to the stop, in the world [m].
     :param point: the point that it pushes, in the world [m].
     :param point_std: standard deviation of that [m].
-    :param was_seen: whether the object was seen to move.
+    :param if_missed: what is known of the robot if it has met nothing; None where the object was
+        seen to move.
     """
 
     before: ObjectAtRest
@@ -274,7 +276,7 @@ class Tap(NamedTuple):
     driven: tuple[float, float]
     point: tuple[float, float]
     point_std: float
-    was_seen: bool
+    if_missed: RobotMemory | None
 
     def after(self, previous: Tap | None) -> Tap:
         """
@@ -294,7 +296,7 @@ class Tap(NamedTuple):
 
         :param after: the ``ObjectAtRest`` after the push.
         """
-        if self.was_seen:
+        if self.if_missed is None:
             return True
         before = self.before
         rotation = abs(wrap_angle(after.pose.theta - before.pose.theta))

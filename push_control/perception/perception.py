@@ -496,13 +496,19 @@ class TaskPerception(RawPerception):
         after = self.object_at_rest
         if not tap.has_moved_object(after):
             if not tap.is_too_short(after, self.localization.members.obj.size):
+                self._forget_contact(tap)
                 self.on_push_without_effect()
             return
         self._tap = None
-        if not tap.was_seen:
+        if tap.if_missed is not None:
             self._observe(ObjectTapped())
         if math.hypot(*tap.driven) > 0.0:
             self._observe(TapCompared(tap.motion(after)))
+
+    def _forget_contact(self, tap: Tap) -> None:
+        """Forget where the robot seemed to be by a contact that there was not."""
+        if tap.if_missed is not None and not self.localization.is_relative:
+            self.localization.restore_robot(tap.if_missed, 0.0, 0.0)
 
     def on_push_without_effect(self, deviation: float = math.inf) -> None:
         """

@@ -87,7 +87,7 @@ def tapped(rotation: float, frame: float, is_mirrored: bool, error: float = 3e-4
     before = ObjectAtRest(axes, 1.0, error, 2.0 * error)
     after = before._replace(pose=axes @ Pose(moved[0], sign * moved[1], sign * rotation))
     point = axes.transform(tuple(contact + driven))
-    return Tap(before, 0.012, axes.rotate(tuple(driven)), point, 0.01, was_seen=True).motion(after)
+    return Tap(before, 0.012, axes.rotate(tuple(driven)), point, 0.01, None).motion(after)
 
 
 @pytest.mark.parametrize('frame', [0.0, 2.0, -3.0])

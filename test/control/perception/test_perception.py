@@ -9,7 +9,7 @@ import numpy as np
 from push_control.events import PerceptionEvent
 from push_control.perception.ensemble.members import SCALE
 from push_control.perception.object_at_rest import (
-    has_moved, NOISE_POSES, ObjectAtRest, StationarityWindow, Tap)
+    has_moved, NOISE_POSES, StationarityWindow, Tap)
 from push_control.perception.perception import TaskPerception
 from push_control.settings import ControlSettings
 from push_control.supervision_settings import SupervisionSettings
@@ -182,9 +182,10 @@ def look(perception, robot_pose, object_pose, count):
                                       ObjectPose(time, object_pose)))
 
 
-def tap(before: ObjectAtRest, pushed: float) -> Tap:
-    """Return a push along x before which the object was somewhere, negative backwards."""
-    return Tap(before, abs(pushed), (pushed, 0.0), (-0.2, 0.0), 0.01, was_seen=False)
+def tap(perception: TaskPerception, pushed: float) -> Tap:
+    """Return a push along x from now on, negative backwards."""
+    return Tap(perception.object_at_rest, abs(pushed), (pushed, 0.0), (-0.2, 0.0), 0.01,
+               perception.localization.remember_robot())
 
 
 @pytest.mark.parametrize('shift', [(0.3, 0.0, 0.5), (-0.2, 0.2, -0.5)])
@@ -224,7 +225,7 @@ def test_pushes_that_do_not_move_the_object_put_the_robot_in_doubt():
     perception = seen(box(), robot_pose, ORIGIN, 0.0)
 
     def deviation_after(push):
-        perception.on_tapped(tap(perception.object_at_rest, 0.02))
+        perception.on_tapped(tap(perception, 0.02))
         perception.restart_averaging(perception.time)
         look(perception, robot_pose, push, 20)
         perception.evaluate_push()
@@ -246,7 +247,7 @@ def is_lost_after(pushes, degrees):
     perception = TaskPerception(box(), HOLONOMIC, control, SUPERVISION)
     for pushed in pushes:
         look(perception, Pose(-0.5, 0.1, 0.3), ORIGIN, 10)
-        perception.on_tapped(tap(perception.object_at_rest, pushed))
+        perception.on_tapped(tap(perception, pushed))
         perception.restart_averaging(perception.time)
         look(perception, Pose(-0.5, 0.1, 0.3), ORIGIN, 10)
         perception.evaluate_push()
@@ -278,7 +279,7 @@ def test_a_push_that_moves_the_object_ends_the_sum_of_those_that_noise_has_hidde
         pose = Pose(0.02 * (k // 2), 0.0, 0.0)
         look(perception, Pose(-0.5, 0.1, 0.3), pose, 20)
         perception.evaluate_push()
-        perception.on_tapped(tap(perception.object_at_rest, 0.012))
+        perception.on_tapped(tap(perception, 0.012))
         perception.restart_averaging(perception.time)
     assert perception.pose_inconsistency is None
 
