@@ -44,6 +44,11 @@ class GuardedController(Protocol):
         """Tell whether the robot stays stopped until somebody lets it go on."""
         ...
 
+    @property
+    def backs_off(self) -> bool:
+        """Tell whether what it pushes has stopped it just now, and it backs off from that."""
+        ...
+
     def on_safety_report(self, fault: SafetyReport | None, stop: SafetyReport | None) -> None:
         """
         Take note of what the safety layer reports; called before each step.
@@ -209,7 +214,18 @@ class SafetyLayer:
         checked = self.with_checked_pose(observation)
         fault = self.observe(checked.odometry)
         controller.on_safety_report(fault, self.report)
+        if controller.backs_off:
+            self._let_back_off(checked.odometry)
         return self.filter(step(checked._replace(base=self.base_knowledge)), checked.time)
+
+    def _let_back_off(self, odometry: Odometry) -> None:
+        """
+        Let a robot go on at once that an object has stopped, so that it presses no longer.
+
+        Until it has had time to respond, what is left of its motion is no fault.
+        """
+        self._motion_check.interrupt()
+        self._stop.go_on(odometry.time)
 
     def observe(self, odometry: Odometry) -> SafetyReport | None:
         """

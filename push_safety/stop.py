@@ -86,10 +86,18 @@ class SafetyStop:
         elif since is None:
             self._at_rest_since = time
         elif self.report and not self.awaits_resume and self._has_rested(since, time):
-            self.report = None
-            self._released_at = time
+            self.go_on(time)
             return True
         return False
+
+    def go_on(self, time: float) -> None:
+        """
+        Let a stopped robot go on; another stop soon after is a relapse.
+
+        :param time: now [s].
+        """
+        self.report = None
+        self._released_at = time
 
     def _has_rested(self, since: float, time: float) -> bool:
         """Tell whether a robot that was stopped has been at rest for long enough."""

@@ -190,6 +190,11 @@ class GoalPursuit:
         self._supervisor.resume()
         return ServiceAnswer(True, 'resumed')
 
+    @property
+    def backs_off(self) -> bool:
+        """Tell whether what it pushes has stopped the robot just now, and it backs off."""
+        return self._supervisor.backs_off
+
     def on_safety_report(self, fault: SafetyReport | None, stop: SafetyReport | None) -> None:
         """
         Take note of what the safety layer has found; called before the step with that odometry.

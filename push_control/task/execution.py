@@ -80,6 +80,8 @@ class TaskExecution:
         self._plan: PushTrajectory | None = None
         # That localization has started over, until a push has moved the object.
         self._restart: Report[TaskEvent] | None = None
+        # Whether what it pushes has stopped the robot just now, and it backs off.
+        self._backs_off = False
         # Status of the last push that has ended.
         self._last_push = ControllerStatus()
         self._answer = _Answer()

@@ -240,6 +240,7 @@ class Supervisor(TaskExecution):
         if fault is not None and fault.code.is_of_odometry:
             self._perception.distrust_odometry(fault.code is SafetyReason.ODOMETRY_JUMPED)
         self._behavior.on_safety_report(fault, stop)
+        self._backs_off = False
         is_new = self._reasons.on_stop(stop, self._perception.time)
         may_act = not self.state.is_standing and not self._behavior.handles_stops
         if stop is not None and is_new and may_act and not self.awaits_resume:
@@ -251,12 +252,18 @@ class Supervisor(TaskExecution):
         if failure is not None:
             self._end_after_failure(failure)
             self._progress.allow_request()
+            self._backs_off = self.state is TaskState.RETREAT
         elif self._progress.count_safety_stop():
             self._abort(TaskFailure.ROBOT_STOPPED, TaskEvent.ABORTED.report(reason=stop))
         else:
             self._recover(stop)
             # At once: the next attempt shows whether the base follows.
             self._progress.allow_request()
+
+    @property
+    def backs_off(self) -> bool:
+        """Tell whether what it pushes has stopped the robot just now, and it backs off."""
+        return self._backs_off
 
     @property
     def can_pause(self) -> bool:

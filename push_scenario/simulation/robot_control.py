@@ -83,6 +83,11 @@ class RobotControl(abc.ABC):
         """Tell whether the robot stands until somebody lets it go on."""
         return self.supervisor.awaits_resume
 
+    @property
+    def backs_off(self) -> bool:
+        """Tell whether what it pushes has stopped the robot just now, and it backs off."""
+        return self.supervisor.backs_off
+
     def on_safety_report(self, fault: SafetyReport | None, stop: SafetyReport | None) -> None:
         """
         Take note of what the safety layer has found.

@@ -2,12 +2,14 @@
 
 import math
 
+import numpy as np
 from push_model.geometry import Pose
 from push_model.observation import Observation
 from push_model.parameters import PushedObject, RoundRobot, Support
 from push_model.signals import ObjectPose, Odometry, STOP, Twist
 from push_safety.layer import SafetyLayer
 from push_safety.status import SafetyReason
+from push_safety.tolerances import MAX_RESPONSE_TIME
 import pytest
 
 PERIOD = 0.02
@@ -24,9 +26,10 @@ OTHERS = SafetyReason.COMMANDED_BY_OTHERS.report(others='/joystick')
 class Controller:
     """Commands the same always, and notes in order what it is told and asked."""
 
-    def __init__(self, command=FORWARD, *, awaits_resume=False):
+    def __init__(self, command=FORWARD, *, awaits_resume=False, backs_off=False):
         self.command = command
         self.awaits_resume = awaits_resume
+        self.backs_off = backs_off
         self.calls = []
 
     def on_safety_report(self, fault, stop):
@@ -90,6 +93,24 @@ def test_a_base_that_stood_waits_as_long_as_its_controller_does(awaits_resume):
     sent = guard(layer, controller, observation(PERIOD))
     assert controller.calls[-2] == ('told', None, STOOD if awaits_resume else None)
     assert sent == (STOP if awaits_resume else FORWARD)
+
+
+def held_up(layer: SafetyLayer, controller: Controller, start: float,
+            duration: float) -> list[Twist]:
+    """Let a base stand, whatever it is commanded; return what was sent."""
+    times = np.arange(start, start + duration, PERIOD).tolist()
+    return [guard(layer, controller, observation(time)) for time in times]
+
+
+def test_a_robot_that_backs_off_from_what_stopped_it_goes_on_at_once() -> None:
+    """It has the time that a base takes to respond; one that does not move then is stopped."""
+    layer, controller = SafetyLayer(ROBOT, BOX), Controller(Twist(0.3, 0.0, 0.0))
+    assert STOP in held_up(layer, controller, 0.0, 1.0)
+    controller.backs_off, controller.command = True, Twist(-0.1, 0.0, 0.0)
+    assert guard(layer, controller, observation(1.0)) != STOP
+    controller.backs_off = False
+    assert STOP not in held_up(layer, controller, 1.0 + PERIOD, MAX_RESPONSE_TIME)
+    assert STOP in held_up(layer, controller, 1.0 + MAX_RESPONSE_TIME, 1.0)
 
 
 def test_interference_stops_a_robot_that_is_commanded():

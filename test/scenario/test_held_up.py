@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 from push_control.behaviors.failures import BehaviorFailure
 from push_control.goal import TaskFailure
+from push_control.task.status import TaskState
 from push_dynamics.walls import Wall
 from push_safety.status import SafetyReason
 from push_scenario.definition.loader import load_scenario
@@ -50,6 +51,10 @@ def test_a_wall_before_the_object_holds_it_up(is_in_map, distance):
     assert is_pressed.any() and PERIOD * is_pressed.sum() < 5.0
     assert gap[-1] > 0.05 and not is_pressed[-1]
     assert time[-1] < 30.0
+    # It backs off at once, and not after a rest at the object.
+    retreats = [then.time - change.time for change, then in zip(history, history[1:])
+                if change.state is TaskState.RETREAT]
+    assert max(retreats) < 0.8
 
 
 def test_a_wall_where_the_map_has_it_holds_nothing_up():

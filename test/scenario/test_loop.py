@@ -30,8 +30,8 @@ class Standing(RobotControl):
         self.plan_updates = []
 
     awaits_resume = False
+    backs_off = False
     stage = 'standing'
-    awaits_resume = False
 
     def on_safety_report(self, fault, stop):
         """Ignore it."""
