@@ -25,8 +25,8 @@ BASE_MASS = 1e6
 WALL_THICKNESS, WALL_HEIGHT = 0.1, 0.4
 # Thickness of a wall that acts from both sides [m]; chosen: its faces are where its line is.
 THIN_WALL = 0.002
-# Group of shapes that touch, and that cameras do not see.
-HIDDEN_GROUP = 3
+# Groups of shapes: what lidars may see beside walls, and what touches and no camera sees.
+BODY_GROUP, HIDDEN_GROUP = 2, 3
 # Time that the object gets to sink to its rest on the soft floor [s]; chosen: many time constants.
 SETTLING_TIME = 0.5
 SolverParameters = tuple[float, float]

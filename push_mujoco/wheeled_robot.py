@@ -1,28 +1,26 @@
 """
-A robot on two driven wheels and a caster in MuJoCo: odometry, pushing force, push and lidar.
+A robot on two driven wheels and a caster, or on a holonomic base, in MuJoCo.
 
-In the package's model the robot goes where it is sent, whatever it pushes; here it does not. A
-push at height h lifts the front, where the caster stands at c, and loads the wheels. With the mass
-m centred at x, and friction mu of the wheels, moments about the caster give the largest force
-
-    F = mu N,    N = m g (1 - x / c) / (1 - mu h / c)
-
-as long as the caster stands, F h < m g x.
+In the package's own plant the robot goes where it is sent, whatever it pushes; here motors and
+friction on the floor decide.
 """
 
 import dataclasses
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import mujoco
 import numpy as np
 from push_dynamics.walls import Wall
-from push_model.geometry import FloatArray, Pose
-from push_model.parameters import GRAVITY, PushedObject
+from push_model.geometry import Pose
+from push_model.parameters import PushedObject
+from push_model.signals import Twist
+from push_model.wheels import wheel_speeds
 from push_mujoco.scene import (
-    Contact, object_part, pair, Part, planar_pose, Room, scene_xml, SETTLING_TIME, TUNED,
-    walls_part, xml,
+    BODY_GROUP, Contact, HIDDEN_GROUP, object_part, pair, Part, planar_pose, prism, Room,
+    scene_xml, SETTLING_TIME, TUNED, walls_part, xml,
 )
+from push_mujoco.simulated_robot import SimulatedRobot
 
 # MuJoCo defines these in an extension module without type stubs.
 _mujoco: Any = mujoco
@@ -33,88 +31,23 @@ CONTACT = Contact(solref=(0.02, 1.0), friction_solref=(0.0, 0.0), impedance=(0.9
 # Damping by which a motor holds its speed [N m s], and inertia of its rotor behind the gears
 # [kg m^2]; chosen: it lags by some 10 ms, and explicit steps are stable.
 MOTOR_GAIN, ROTOR_INERTIA = 0.5, 2e-3
-# Half the height of the bumper [m]; chosen: low, as a push has one height.
-BUMPER_HALF_HEIGHT = 0.002
+# Time in which motors of a holonomic base have its speed [s], chosen likewise.
+SERVO_TIME = 0.02
+# Rate at which the motors make up for speed that a load takes [1/s]; chosen: within half a second.
+INTEGRAL_RATE = 10.0
+# Half the height of the bumper [m]; chosen: low, as a push on a wall has one height. What meets
+# the object is as high as that, which has one height itself [m].
+BUMPER_HALF_HEIGHT, SKIRT_HALF_HEIGHT = 0.002, 0.2
 # Where the wall of the pushing test stands [m], the speed of the wheels [m/s], and how long they
 # turn before and while the force is measured [s]; chosen: the impact is over.
 WALL_X, PUSHING_SPEED, PUSHING_TIME = 0.175, 0.1, 0.5
+# Height of an object of which none is stated [m]; chosen: lidars of such robots see it.
+OBJECT_HEIGHT = 0.3
+# Colours (red, green, blue, opacity), chosen; the object is cardboard.
+ROBOT_COLOR, OBJECT_COLOR = '0.16 0.17 0.2 1', '0.72 0.58 0.42 1'
 
 
-@dataclasses.dataclass(frozen=True)
-class WheeledRobot:
-    """
-    Masses and measures of a robot on two wheels and a caster, its origin below the axle's middle.
-
-    :param body_mass: of all but the wheels [kg].
-    :param body_inertia: about the centre of that mass and the axes (x, y, z) [kg m^2].
-    :param body_center: centre of that mass (x, y, z) [m].
-    :param bumper_radius: of the bumper, a ring about the origin [m].
-    :param bumper_height: above the floor [m].
-    :param wheel_mass: of one wheel [kg].
-    :param wheel_radius: [m].
-    :param wheel_width: [m].
-    :param track: distance between the wheels [m].
-    :param wheel_friction: coefficient between wheels and floor.
-    :param motor_torque: largest torque on one wheel [N m].
-    :param max_acceleration: of a wheel's rim while its speed follows a command [m/s^2].
-    :param caster_x: where the caster stands [m].
-    :param caster_radius: [m].
-    :param caster_friction: coefficient between caster and floor.
-    :param lidar: position of the lidar (x, y, z) [m].
-    """
-
-    body_mass: float
-    body_inertia: tuple[float, float, float]
-    body_center: tuple[float, float, float]
-    bumper_radius: float
-    bumper_height: float
-    wheel_mass: float
-    wheel_radius: float
-    wheel_width: float
-    track: float
-    wheel_friction: float
-    motor_torque: float
-    max_acceleration: float
-    caster_x: float
-    caster_radius: float
-    caster_friction: float
-    lidar: tuple[float, float, float]
-
-    @property
-    def mass(self) -> float:
-        """Mass of the whole robot [kg]."""
-        return self.body_mass + 2.0 * self.wheel_mass
-
-    @property
-    def center_x(self) -> float:
-        """How far the centre of mass is ahead of the axle [m]."""
-        return self.body_mass * self.body_center[0] / self.mass
-
-    @property
-    def lifting_force(self) -> float:
-        """Force of a push that lifts the caster, unless the wheels spin before [N]."""
-        return self.mass * GRAVITY * self.center_x / self.bumper_height
-
-    @property
-    def traction(self) -> float:
-        """Force of a push at which the wheels spin, if the caster stands then [N]."""
-        mu, caster = self.wheel_friction, self.caster_x
-        load = self.mass * GRAVITY * (1.0 - self.center_x / caster)
-        return mu * load / (1.0 - mu * self.bumper_height / caster)
-
-
-# Wheels, caster, track and lidar as in the makers' public URDF (iRobotEducation/create3_sim,
-# turtlebot/turtlebot4), the sum of masses as in their data sheet (3.9 kg). Chosen: what stands on
-# the base is centred above the axle, 0.15 m high; inertias; motors; bumper; wheel friction.
-TURTLEBOT_4 = WheeledRobot(
-    body_mass=3.5, body_inertia=(0.035, 0.035, 0.045), body_center=(0.0173, 0.0, 0.098),
-    bumper_radius=0.171, bumper_height=0.05, wheel_mass=0.2, wheel_radius=0.03575,
-    wheel_width=0.015, track=0.233, wheel_friction=0.6, motor_torque=1.0,
-    max_acceleration=0.9, caster_x=0.125, caster_radius=0.01, caster_friction=0.1,
-    lidar=(-0.04, 0.0, 0.193))
-
-
-def wheel_body(robot: WheeledRobot, name: str, y: float) -> str:
+def wheel_body(robot: SimulatedRobot, name: str, y: float) -> str:
     """Write a driven wheel, which touches the floor at one point."""
     radius, width = robot.wheel_radius, robot.wheel_width
     across = robot.wheel_mass * (3.0 * radius**2 + width**2) / 12.0
@@ -126,67 +59,189 @@ def wheel_body(robot: WheeledRobot, name: str, y: float) -> str:
             '</body>')
 
 
-def robot_part(robot: WheeledRobot, walls: int) -> Part:
-    """
-    Write the robot.
-
-    :param walls: number of the walls that it may touch.
-    """
+def standing_base(robot: SimulatedRobot) -> Part:
+    """Write what a differential drive stands on: two driven wheels and a caster."""
     wheels = (wheel_body(robot, 'left', robot.track / 2)
               + wheel_body(robot, 'right', -robot.track / 2))
     motors = ''.join(f'<velocity joint="{name}" kv="{MOTOR_GAIN}" '
                      f'forcerange="{xml(-robot.motor_torque, robot.motor_torque)}"/>'
                      for name in ('left', 'right'))
+    caster = (f'<geom name="caster" type="sphere" size="{robot.caster_radius}" '
+              f'pos="{xml(robot.caster_x, 0, robot.caster_radius)}"/>')
     pairs = [pair('floor', 'left', robot.wheel_friction, CONTACT),
              pair('floor', 'right', robot.wheel_friction, CONTACT),
-             pair('floor', 'caster', robot.caster_friction, CONTACT),
-             *(pair(f'wall{i}', 'bumper', 0.0, CONTACT) for i in range(walls))]
+             pair('floor', 'caster', robot.caster_friction, CONTACT)]
+    return Part('<freejoint name="robot"/>' + caster + wheels, ''.join(pairs), motors)
+
+
+def sliding_base(robot: SimulatedRobot) -> Part:
+    """Write a holonomic base: motors along both axes of the floor and about the vertical."""
+    force = robot.traction
+    joints = ''.join(f'<joint name="robot_{name}" type="{kind}" axis="{axis}"/>'
+                     for name, kind, axis in (('x', 'slide', '1 0 0'), ('y', 'slide', '0 1 0'),
+                                              ('yaw', 'hinge', '0 0 1')))
+    limits = ('x', robot.mass, force), ('y', robot.mass, force), (
+        'yaw', robot.body_inertia[2], force * robot.bumper_radius)
+    motors = ''.join(f'<velocity joint="robot_{name}" kv="{inertia / SERVO_TIME:.12g}" '
+                     f'forcerange="{xml(-limit, limit)}"/>' for name, inertia, limit in limits)
+    return Part(joints, actuators=motors)
+
+
+def robot_part(robot: SimulatedRobot, walls: int) -> Part:
+    """
+    Write the robot; what meets the object is its shape 'skirt'.
+
+    :param walls: number of the walls that it may touch.
+    """
+    base = standing_base(robot) if robot.drive == 'differential' else sliding_base(robot)
+    pairs = ''.join(pair(f'wall{i}', 'bumper', 0.0, CONTACT) for i in range(walls))
+    half = 0.5 * robot.body_height
     return Part(f"""
     <body name="robot">
-      <freejoint/>
       <inertial pos="{xml(*robot.body_center)}" mass="{robot.body_mass}"
                 diaginertia="{xml(*robot.body_inertia)}"/>
       <geom name="bumper" type="cylinder" pos="{xml(0, 0, robot.bumper_height)}"
-            size="{xml(robot.bumper_radius, BUMPER_HALF_HEIGHT)}"/>
-      <geom name="caster" type="sphere" size="{robot.caster_radius}"
-            pos="{xml(robot.caster_x, 0, robot.caster_radius)}"/>
-      <site name="lidar" pos="{xml(*robot.lidar)}"/>{wheels}
-    </body>""", ''.join(pairs), motors)
+            size="{xml(robot.bumper_radius, BUMPER_HALF_HEIGHT)}" group="{HIDDEN_GROUP}"/>
+      <geom name="skirt" type="cylinder" size="{xml(robot.bumper_radius, SKIRT_HALF_HEIGHT)}"
+            group="{HIDDEN_GROUP}"/>
+      <geom type="cylinder" pos="{xml(0, 0, 0.05)}" size="{xml(robot.bumper_radius, 0.04)}"
+            rgba="{ROBOT_COLOR}"/>
+      <geom type="cylinder" pos="{xml(0, 0, half)}" size="{xml(0.6 * robot.bumper_radius, half)}"
+            rgba="{ROBOT_COLOR}"/>
+      {base.bodies}
+    </body>""", pairs + base.pairs, base.actuators)
 
 
-def wheeled_scene(robot: WheeledRobot, room: Room, obj: PushedObject | None) -> str:
-    """Write the robot in a room, with an object; walls are solid where the origin is not."""
-    wheeled = robot_part(robot, len(room.walls))
-    walls = walls_part(room, ENGINE, (0.0, 0.0))
+class Looks(NamedTuple):
+    """
+    What cameras and lidars see besides the robot.
+
+    :param height: of the body of the object [m].
+    :param object: what is on it, as of ``appearance.tags_part``.
+    :param room: lights and floor, as of ``appearance.room_looks``.
+    :param floor: attributes of the floor.
+    :param files: contents of the files that they name.
+    """
+
+    height: float = OBJECT_HEIGHT
+    object: Part = Part('')
+    room: Part = Part('')
+    floor: str = ''
+    files: dict[str, bytes] | None = None
+
+
+def wheeled_scene(robot: SimulatedRobot, room: Room, obj: PushedObject | None,
+                  looks: Looks = Looks()) -> str:
+    """Write the robot in a room, with an object; walls act from both sides."""
+    parts = [robot_part(robot, len(room.walls)), looks.room, Part('', assets=looks.object.assets)]
+    walls = walls_part(room, ENGINE, None)
     if obj is None:
-        return scene_xml(ENGINE, wheeled, Part(walls.bodies, ''))
-    touch = Part('', pair('bumper', 'outline', obj.contact_friction_coefficient,
+        return scene_xml(ENGINE, *parts, Part(walls.bodies), floor=looks.floor)
+    touch = Part('', pair('skirt', 'outline', obj.contact_friction_coefficient,
                           ENGINE.outline_contact))
-    return scene_xml(ENGINE, wheeled, walls, object_part(obj, ENGINE), touch)
+    body = prism(obj, 'body', 0.0, looks.height)
+    shapes = (f'<geom name="body" {body.geom} group="{BODY_GROUP}" rgba="{OBJECT_COLOR}"/>'
+              + looks.object.bodies)
+    return scene_xml(ENGINE, *parts, walls, Part('', assets=body.assets),
+                     object_part(obj, ENGINE, shapes), touch, floor=looks.floor)
 
 
 class WheeledPlant:
     """
-    The robot in MuJoCo, at first at the origin, and an object that it pushes.
+    The robot in MuJoCo, and an object that it pushes.
 
-    :param robot: ``WheeledRobot``.
-    :param room: walls that stop robot and object; none passes through the origin.
-    :param obj: the ``PushedObject``, touched at the height of the bumper; None for none.
+    ``robot``: the ``SimulatedRobot``. ``model`` and ``data``: those of MuJoCo.
+
+    :param robot: ``SimulatedRobot``.
+    :param room: walls that stop robot and object.
+    :param obj: the ``PushedObject``; None for none.
     :param object_pose: ``Pose`` of the object's frame at first.
+    :param robot_pose: ``Pose`` of the robot at first.
+    :param looks: ``Looks``.
     """
 
-    def __init__(self, robot: WheeledRobot, room: Room = Room(), obj: PushedObject | None = None,
-                 object_pose: Pose = Pose(1.0, 0.0, 0.0)) -> None:
+    def __init__(self, robot: SimulatedRobot, room: Room = Room(),
+                 obj: PushedObject | None = None, object_pose: Pose = Pose(1.0, 0.0, 0.0),
+                 robot_pose: Pose = Pose(0.0, 0.0, 0.0), looks: Looks = Looks()) -> None:
         self.robot = robot
-        self.model = _mujoco.MjModel.from_xml_string(wheeled_scene(robot, room, obj))
+        self.model = _mujoco.MjModel.from_xml_string(wheeled_scene(robot, room, obj, looks),
+                                                     looks.files)
         self.data = _mujoco.MjData(self.model)
+        self._is_standing = robot.drive == 'differential'
+        motors = self.model.actuator_trnid[:, 0]
+        self._motor_dofs = self.model.jnt_dofadr[motors]
+        # What motors add to the speeds that they are asked for, and at most [rad/s or m/s].
+        self._added = np.zeros(len(motors))
+        self._most_added = self.model.actuator_forcerange[:, 1] / self.model.actuator_gainprm[:, 0]
+        self._robot_qpos = int(self.model.body('robot').jntadr[0])
+        self._robot_qpos = int(self.model.jnt_qposadr[self._robot_qpos])
+        self._robot_dof = int(self.model.body('robot').dofadr[0])
+        self._set_robot_pose(robot_pose)
         if obj is not None:
-            x, y, theta = object_pose
-            self.data.qpos[9:11] = x, y
-            self.data.qpos[12:16] = math.cos(theta / 2), 0.0, 0.0, math.sin(theta / 2)
-            # It sinks to its rest on the soft floor.
-            self.advance(SETTLING_TIME, 0.0, 0.0)
+            body = self.model.body('object')
+            self._object_qpos = int(self.model.jnt_qposadr[body.jntadr[0]])
+            self._object_dof = int(body.dofadr[0])
+            self._settle(object_pose)
         _mujoco.mj_forward(self.model, self.data)
+
+    def _set_robot_pose(self, pose: Pose) -> None:
+        first = self._robot_qpos
+        if self._is_standing:
+            _place_free_body(self.data, first, pose)
+        else:
+            self.data.qpos[first:first + 3] = pose
+
+    def _settle(self, pose: Pose) -> None:
+        """Let the object sink to its rest on the soft floor."""
+        self.set_object_pose(pose)
+        for _ in range(round(SETTLING_TIME / ENGINE.step)):
+            _mujoco.mj_step(self.model, self.data)
+        # What has come to rest may have crept.
+        self.set_object_pose(pose)
+
+    def set_object_pose(self, pose: Pose) -> None:
+        """
+        Put the object elsewhere, at rest.
+
+        :param pose: ``Pose`` of the object's frame in the world.
+        """
+        self.place_object(self.data, pose)
+        self.data.qvel[self._object_dof:self._object_dof + 6] = 0.0
+
+    def place_object(self, data: Any, pose: Pose) -> None:
+        """
+        Place the object in a state of the scene.
+
+        :param data: of MuJoCo, is written.
+        :param pose: ``Pose`` of the object's frame in the world.
+        """
+        _place_free_body(data, self._object_qpos, pose)
+
+    def pair_index(self, one: str, other: str) -> int:
+        """Look up the number of a pair of shapes that may touch."""
+        pairs = zip(self.model.pair_geom1.tolist(), self.model.pair_geom2.tolist())
+        shapes = {self.model.geom(one).id, self.model.geom(other).id}
+        return next(index for index, touching in enumerate(pairs) if set(touching) == shapes)
+
+    def drive(self, twist: Twist, step: float = ENGINE.step) -> None:
+        """
+        Let one step pass in which the motors hold the speeds of a twist.
+
+        :param twist: of the robot, own axes, if nothing slips.
+        :param step: [s].
+        """
+        if self._is_standing:
+            left, right = wheel_speeds(twist, self.robot.track)
+            speeds = np.array([left, right]) / self.robot.wheel_radius
+        else:
+            x, y = Pose(0.0, 0.0, self.pose.theta).rotate(twist[:2])
+            speeds = np.array([x, y, twist.omega])
+        errors = speeds - self.data.qvel[self._motor_dofs]
+        self._added = np.clip(self._added + INTEGRAL_RATE * step * errors, -self._most_added,
+                              self._most_added)
+        self.data.ctrl[:] = speeds + self._added
+        self.model.opt.timestep = step
+        _mujoco.mj_step(self.model, self.data)
 
     def advance(self, duration: float, speed: float, yaw_rate: float) -> None:
         """
@@ -196,9 +251,8 @@ class WheeledPlant:
         :param speed: of the robot ahead, if no wheel slips [m/s].
         :param yaw_rate: likewise [rad/s].
         """
-        difference = yaw_rate * self.robot.track / 2.0
         radius = self.robot.wheel_radius
-        command = np.array([speed - difference, speed + difference]) / radius
+        command = np.array(wheel_speeds(Twist(speed, 0.0, yaw_rate), self.robot.track)) / radius
         change = self.robot.max_acceleration * ENGINE.step / radius
         for _ in range(round(duration / ENGINE.step)):
             self.data.ctrl += np.clip(command - self.data.ctrl, -change, change)
@@ -206,54 +260,71 @@ class WheeledPlant:
 
     @property
     def pose(self) -> Pose:
-        """Pose of the robot in the world; the angle within +-pi."""
-        return planar_pose(self.data.qpos[:7])
+        """Pose of the robot in the world; the angle of a standing one within +-pi."""
+        first = self._robot_qpos
+        if self._is_standing:
+            return planar_pose(self.data.qpos[first:first + 7])
+        return Pose(*self.data.qpos[first:first + 3].tolist())
+
+    @property
+    def twist(self) -> Twist:
+        """Velocity of the robot, own axes."""
+        first, last = self._robot_dof, 5 if self._is_standing else 2
+        v_x, v_y = self.data.qvel[first:first + 2].tolist()
+        v_x, v_y = Pose(0.0, 0.0, -self.pose.theta).rotate((v_x, v_y))
+        return Twist(float(v_x), float(v_y), float(self.data.qvel[first + last]))
 
     @property
     def object_pose(self) -> Pose:
         """Pose of the object's frame in the world; the angle within +-pi."""
-        return planar_pose(self.data.qpos[9:16])
+        return planar_pose(self.data.qpos[self._object_qpos:self._object_qpos + 7])
+
+    @property
+    def object_twist(self) -> Twist:
+        """Velocity of the object frame's origin, world axes, and yaw rate."""
+        first = self._object_dof
+        v_x, v_y, _, _, _, omega = self.data.qvel[first:first + 6].tolist()
+        return Twist(v_x, v_y, omega)
 
     @property
     def wheel_angles(self) -> tuple[float, float]:
-        """Angles by which the wheels (left, right) have turned [rad]."""
-        left, right = self.data.qpos[7:9].tolist()
+        """Angles by which the wheels (left, right) of a differential drive have turned [rad]."""
+        left, right = (float(self.data.joint(name).qpos[0]) for name in ('left', 'right'))
         return left, right
 
+    def normal_force(self, *shapes: str) -> float:
+        """
+        Sum the normal forces on shapes in the last step [N].
+
+        :param shapes: their names, as 'bumper', which meets walls, and 'skirt', the object.
+        """
+        geoms = [self.model.geom(shape).id for shape in shapes]
+        touched = np.isin(np.array(self.data.contact.geom).reshape(-1, 2), geoms).any(axis=1)
+        total, force = 0.0, np.zeros(6)
+        for index in np.flatnonzero(touched):
+            _mujoco.mj_contactForce(self.model, self.data, int(index), force)
+            total += float(force[0])
+        return total
+
     @property
-    def force_on_walls(self) -> float:
-        """Sum of the normal forces between bumper and walls in the last step [N]."""
-        bumper = self.model.geom('bumper').id
-        forces = np.zeros((self.data.ncon, 6))
-        for i in range(self.data.ncon):
-            _mujoco.mj_contactForce(self.model, self.data, i, forces[i])
-        touches = (np.array(self.data.contact.geom).reshape(-1, 2) == bumper).any(axis=1)
-        return float(forces[touches, 0].sum())
-
-    def scan(self, beams: int, max_range: float = 12.0) -> FloatArray:
-        """
-        Measure how far it is to the walls, all round in the plane of the lidar.
-
-        :param beams: their number, the first ahead, counter-clockwise.
-        :param max_range: largest range that is measured [m].
-        :return: shape (beams,) [m]; infinite where there is nothing.
-        """
-        angles = np.linspace(0.0, 2.0 * math.pi, beams, endpoint=False)
-        rays = np.stack((np.cos(angles), np.sin(angles), np.zeros(beams)), axis=1)
-        lidar = self.data.site('lidar')
-        rays = rays @ lidar.xmat.reshape(3, 3).T
-        geoms, ranges = np.zeros(beams, dtype=np.int32), np.zeros(beams)
-        _mujoco.mj_multiRay(self.model, self.data, lidar.xpos, rays.ravel(), None, True,
-                            self.model.body('robot').id, geoms, ranges, None, beams, max_range)
-        return np.where((ranges >= 0.0) & (ranges <= max_range), ranges, math.inf)
+    def is_bumper_pressed(self) -> bool:
+        """Tell whether the switch of the bumper is closed."""
+        return self.normal_force('bumper', 'skirt') > self.robot.bumper_force
 
 
-def pushing_force(robot: WheeledRobot) -> float:
+def _place_free_body(data: Any, first: int, pose: Pose) -> None:
+    """Put a free body elsewhere on the floor: its coordinates begin at a number."""
+    x, y, theta = pose
+    data.qpos[first:first + 2] = x, y
+    data.qpos[first + 3:first + 7] = math.cos(theta / 2), 0.0, 0.0, math.sin(theta / 2)
+
+
+def pushing_force(robot: SimulatedRobot) -> float:
     """Drive against a wall until the wheels spin; return the mean force on it [N]."""
     plant = WheeledPlant(robot, Room((Wall(WALL_X, -1.0, WALL_X, 1.0),)))
     plant.advance(PUSHING_TIME, PUSHING_SPEED, 0.0)
-    forces = []
+    forces: list[float] = []
     for _ in range(round(PUSHING_TIME / ENGINE.step)):
         plant.advance(ENGINE.step, PUSHING_SPEED, 0.0)
-        forces.append(plant.force_on_walls)
+        forces.append(plant.normal_force('bumper'))
     return float(np.mean(forces))

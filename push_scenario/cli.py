@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from push_scenario.evaluation.result_files import Replay
     from push_scenario.simulation.loop import Progress
     from push_scenario.simulation.result import RunResult
+    from push_sim_node.plant import Plant
     from push_view.belief import BeliefRecorder
 
 AS_EXPECTED, NOT_AS_EXPECTED, MISUSE, INTERRUPTED = 0, 1, 2, 130
@@ -120,7 +121,11 @@ def _replay_all(options: argparse.Namespace) -> int:
 
 
 def _choose_mode(options: argparse.Namespace) -> None:
-    """Run in one process where there is no ROS, unless its clock is asked for."""
+    """Run in one process where there is no ROS, unless its clock is asked for, or in MuJoCo."""
+    if options.engine == 'mujoco':
+        if options.real_time:
+            raise ValueError('--real-time: got --engine mujoco too, expected one of the two')
+        options.in_process = True
     if not options.in_process and not options.real_time and util.find_spec('rclpy') is None:
         _note('no ROS 2 here (no module rclpy): one process runs all')
         options.in_process = True
@@ -204,7 +209,8 @@ def _run(scenario: 'Scenario', law: str, options: argparse.Namespace,
         if options.in_process:
             # As over DDS in lockstep, time stands still while a task is planned.
             result = push_scenario.simulate(scenario, law, progress=show, intervene=belief,
-                                            planning_time=0.0)
+                                            planning_time=0.0,
+                                            plant_type=_plant_type(options.engine))
         else:
             result = _run_over_dds(scenario, law, options, show)
     from push_scenario.evaluation.metrics import bounds_missed, verdict
@@ -212,6 +218,18 @@ def _run(scenario: 'Scenario', law: str, options: argparse.Namespace,
     if result.tape is not None:
         result.tape.save(options.out / f'{scenario.name}_{law_file_name(law)}.csv')
     return result
+
+
+def _plant_type(engine: str) -> 'Callable[..., Plant]':
+    """Return what makes the plant of an engine."""
+    if engine == 'own':
+        from push_sim_node.plant import Plant
+        return Plant
+    try:
+        from push_mujoco.engine_plant import engine_plant
+    except ModuleNotFoundError as error:
+        raise RuntimeError(f'--engine: {how_to_install(error.name) or error}') from error
+    return engine_plant()
 
 
 def _run_over_dds(scenario: 'Scenario', law: str, options: argparse.Namespace,

@@ -131,10 +131,8 @@ class Lidar:
         lenses = robots[:, :2] + _rotated(np.array([settings.mount[:2]]), robots[:, 2])
         angles = robots[:, 2] + settings.mount_heading - math.pi + increment * index
         rays = np.stack((np.cos(angles), np.sin(angles)), axis=1)
-        ranges = np.minimum(self._distances_to_walls(lenses, rays),
+        ranges = np.minimum(self._distances(lenses, rays, objects),
                             distances_to_segments(lenses, rays, self._visitor))
-        if settings.sees_object:
-            ranges = np.minimum(ranges, self._distances_to_object(lenses, rays, objects))
         return LidarScan(time, _single(self._measured(ranges)), *_single(np.array((
             -math.pi, increment, time_increment, settings.range_min,
             settings.range_max))).tolist())
@@ -145,6 +143,21 @@ class Lidar:
         robots = np.array([poses.robot for poses in self._poses])
         objects = np.array([poses.object for poses in self._poses])
         return _interpolated(times, known, robots), _interpolated(times, known, objects)
+
+    def _distances(self, lenses: FloatArray, rays: FloatArray,
+                   objects: FloatArray) -> FloatArray:
+        """
+        Find how far beams go before they meet a wall or the object.
+
+        :param lenses: where they start (x, y), shape (n, 2) [m].
+        :param rays: their unit directions, shape (n, 2).
+        :param objects: pose of the object at the time of each, shape (n, 3).
+        :return: shape (n,) [m]; infinite where they meet none.
+        """
+        ranges = self._distances_to_walls(lenses, rays)
+        if self._settings.sees_object:
+            ranges = np.minimum(ranges, self._distances_to_object(lenses, rays, objects))
+        return ranges
 
     def _distances_to_walls(self, lenses: FloatArray, rays: FloatArray) -> FloatArray:
         """Cast beams to the nearest walls first; those that end there look no farther."""

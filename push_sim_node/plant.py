@@ -22,6 +22,7 @@ from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import STOP, Twist
 from push_sim_node.drive_imperfections import DriveImperfections
 from push_sim_node.imperfect_drive import ImperfectDrive, is_ideal
+from push_sim_node.lidar import Lidar, LidarSensorSettings
 from push_sim_node.tape_row import (
     columns_of, COMMAND, CONTACT, ENERGY, OBJECT, ROBOT, SUPPORTS, WALL_COLUMNS, write_row,
 )
@@ -170,6 +171,17 @@ class Plant:
         for i in (*range(layout.X, layout.A_OMEGA + 1), layout.PRESSURE_X, layout.PRESSURE_Y,
                   layout.WALL_SLACK):
             self._world.state[i] = state[i]
+
+    def make_lidar(self, settings: LidarSensorSettings, walls: Sequence[Wall],
+                   noise: np.random.Generator) -> Lidar:
+        """
+        Make the lidar of the robot.
+
+        :param settings: ``LidarSensorSettings``, with a rate above 0.
+        :param walls: ``Wall`` sequence that it sees.
+        :param noise: ``numpy.random.Generator`` of noise and outliers.
+        """
+        return Lidar(settings, self.obj, walls, noise)
 
     def stand_at(self, object_pose: Pose, robot_pose: Pose) -> None:
         """

@@ -6,7 +6,7 @@ states, or it is the one that the robot is nearest to: then the robot moves what
 What the pushed object bumps into stops it.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 import dataclasses
 import functools
 import math
@@ -75,7 +75,7 @@ class RoomSimulation:
     def __init__(self, objects: Mapping[str, PlacedObject], robot: RoundRobot, robot_pose: Pose,
                  settings: SimulationSettings = SimulationSettings(),
                  sensors: SensorSettings = SensorSettings(), *,
-                 interpret: bool = False, plant_type: type[Plant] = Plant) -> None:
+                 interpret: bool = False, plant_type: Callable[..., Plant] = Plant) -> None:
         self._starts = dict(objects)
         self._settings = settings
         self._make_simulation = functools.partial(

@@ -1,5 +1,6 @@
 """Plant and sensors in simulated time: one measurement after the other, and commands between."""
 
+from collections.abc import Callable
 import dataclasses
 import enum
 import heapq
@@ -143,7 +144,8 @@ class Simulation:
     :param settings: ``SimulationSettings``.
     :param sensors: ``SensorSettings``.
     :param interpret: whether the plant runs as plain Python, see ``Plant``.
-    :param plant_type: ``Plant``, or a class derived from it that moves the bodies otherwise.
+    :param plant_type: makes a ``Plant`` of the arguments of that class; another engine may move
+        the bodies.
     :raises ValueError: where robot and object overlap, or friction changes under a support that
         does not exist.
     """
@@ -151,7 +153,7 @@ class Simulation:
     def __init__(self, obj: PushedObject, robot: RoundRobot, object_pose: Pose, robot_pose: Pose,
                  settings: SimulationSettings = SimulationSettings(),
                  sensors: SensorSettings = SensorSettings(), *,
-                 interpret: bool = False, plant_type: type[Plant] = Plant) -> None:
+                 interpret: bool = False, plant_type: Callable[..., Plant] = Plant) -> None:
         self.obj = obj
         self.robot = robot
         self.settings = settings
@@ -309,8 +311,8 @@ class Simulation:
         """Make the lidar, whose errors have a stream of their own; None where there is none."""
         if self.sensors.lidar.rate == 0.0:
             return None
-        return Lidar(self.sensors.lidar, self.obj, self.settings.walls,
-                     np.random.default_rng((self.settings.seed, LIDAR_STREAM)))
+        return self.plant.make_lidar(self.sensors.lidar, self.settings.walls,
+                                     np.random.default_rng((self.settings.seed, LIDAR_STREAM)))
 
     def _measure_scan(self, event: _Event, lidar: Lidar) -> LidarScan:
         index = event.sample_index + 1

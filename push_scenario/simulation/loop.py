@@ -62,7 +62,7 @@ def simulate(scenario: Scenario, law: str | type[SteeringLaw] | None = None, *,
              seed: int | None = None, progress: ProgressCallback | None = None,
              intervene: Intervention | None = None, planning_time: float | None = None,
              plan_push: PushPlanner = plan_for_request,
-             plant_type: type[Plant] = Plant) -> RunResult:
+             plant_type: Callable[..., Plant] = Plant) -> RunResult:
     """
     Simulate a scenario: one push, or as many as its task takes.
 
@@ -148,7 +148,7 @@ def make_safety_layer(scenario: Scenario) -> SafetyLayer:
                        standstill_limit=scenario.control.standstill_limit)
 
 
-def make_simulation(scenario: Scenario, plant_type: type[Plant] = Plant) -> Simulation:
+def make_simulation(scenario: Scenario, plant_type: Callable[..., Plant] = Plant) -> Simulation:
     """
     Make the plant of a scenario, at time 0.
 

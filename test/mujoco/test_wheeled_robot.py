@@ -5,23 +5,20 @@ import math
 
 from helpers.extras import import_extra
 import numpy as np
-from push_dynamics.walls import Wall
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
 from push_model.signals import STOP, Twist
-from push_sim_node.lidar import distances_to_segments
+from push_mujoco.simulated_robot import read_simulated_robot
 from push_sim_node.plant import Plant
 import pytest
 
 wheeled_robot = import_extra('mujoco', 'mujoco', 'push_mujoco.wheeled_robot')
 comparison = import_extra('mujoco', 'mujoco', 'benchmarks.plant.comparison')
-TURTLEBOT_4, WheeledPlant = wheeled_robot.TURTLEBOT_4, wheeled_robot.WheeledPlant
-Room = wheeled_robot.Room
+WheeledPlant = wheeled_robot.WheeledPlant
+TURTLEBOT_4 = read_simulated_robot('turtlebot4')
 pytestmark = pytest.mark.physics
 # Its caster stays on the floor and bears no force along it.
 HEAVY_FRONT = dataclasses.replace(TURTLEBOT_4, body_center=(0.045, 0.0, 0.09), caster_friction=0.0)
-ROOM = (Wall(2.0, -1.5, 2.0, 1.0), Wall(2.0, 1.0, -1.0, 1.4), Wall(-1.0, 1.4, -1.3, -1.5),
-        Wall(-1.3, -1.5, 2.0, -1.5))
 
 
 @pytest.mark.parametrize('speed', [0.2, -0.2])
@@ -60,22 +57,6 @@ def test_weak_motors_stall_before_the_wheels_spin() -> None:
     stalled = 2.0 * robot.motor_torque / robot.wheel_radius
     assert stalled < robot.traction
     assert wheeled_robot.pushing_force(robot) == pytest.approx(stalled, rel=0.02)
-
-
-def test_the_lidar_measures_the_walls_to_a_millimetre() -> None:
-    """After a drive, from where the robot is."""
-    plant = WheeledPlant(TURTLEBOT_4, Room(ROOM))
-    plant.advance(1.0, 0.2, 0.6)
-    plant.advance(0.5, 0.0, 0.0)
-    pose = plant.pose
-    angles = pose.theta + np.linspace(0.0, 2.0 * math.pi, 90, endpoint=False)
-    rays = np.stack((np.cos(angles), np.sin(angles)), axis=1)
-    lens = np.array([pose.transform(TURTLEBOT_4.lidar[:2])])
-    segments = np.array([(wall.start_x, wall.start_y, wall.end_x, wall.end_y) for wall in ROOM])
-    expected = distances_to_segments(np.repeat(lens, 90, axis=0), rays, segments)
-    assert np.isfinite(expected).all()
-    assert plant.scan(90) == pytest.approx(expected, abs=1e-3)
-    assert np.isinf(plant.scan(90, max_range=0.1)).all()
 
 
 @pytest.mark.parametrize('offset', [0.0, 0.02])
