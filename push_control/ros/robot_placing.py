@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from push_control.ros.parameters import ControllerParameters
 from push_localization.localizer import LidarLocalizer
+from push_localization.place_noise import PlaceNoise
 from push_localization.scan_points import LidarMount
 from push_localization.wall_field import WallField
 from push_model.geometry import Pose
@@ -44,6 +45,7 @@ class RobotPlacing:
         self._threshold = parameters.map.lethal_cost_threshold
         self._world = world
         self._map_std = 0.0
+        self._noise = PlaceNoise()
         self._mount = LidarMount(self._settings.mount_pose)
         self._localizer: LidarLocalizer | None = None
         # Objects that are not pushed, and their poses, by name.
@@ -84,6 +86,7 @@ class RobotPlacing:
         """Forget what was measured; the map stays."""
         self._protective_field = self._make_field()
         self.newest = None
+        self._noise = PlaceNoise()
         if self._localizer is not None:
             self._localizer.reset()
 
@@ -177,8 +180,10 @@ class RobotPlacing:
 
         :param object_pose: the newest ``ObjectPose``, or None.
         """
-        if isinstance(measured, RobotPlace):
-            self.newest = measured
+        if isinstance(measured, Odometry):
+            self._noise.add_odometry(measured)
+        elif isinstance(measured, RobotPlace):
+            self.newest = self._noise.widened(measured)
         localizer = self._localizer
         if localizer is None:
             return
