@@ -52,6 +52,8 @@ class Renderer:
     """
     Draws what a camera sees; to be closed, or used as a context.
 
+    ``model``: that of MuJoCo. ``camera``: the ``SimulatedCamera``.
+
     :param model: of MuJoCo.
     :param camera: ``SimulatedCamera``.
     :param noise: ``numpy.random.Generator`` of the noise of its pixels; None for none.
@@ -61,7 +63,7 @@ class Renderer:
     def __init__(self, model: Any, camera: SimulatedCamera,
                  noise: np.random.Generator | None = None) -> None:
         self.camera = camera
-        self._model = model
+        self.model = model
         self._noise = noise
         self._gl = _make_gl_context(camera.width, camera.height)
         self._gl.make_current()
@@ -99,7 +101,7 @@ class Renderer:
         """
         camera = self.camera
         self._gl.make_current()
-        _mujoco.mjv_updateScene(self._model, data, self._option, None, self._view,
+        _mujoco.mjv_updateScene(self.model, data, self._option, None, self._view,
                                 _mujoco.mjtCatBit.mjCAT_ALL, self._scene)
         self._look(robot_pose)
         image = np.empty((camera.height, camera.width, 3), dtype=np.uint8)
@@ -147,6 +149,15 @@ def render_camera(scene: TaggedScene, camera: SimulatedCamera, object_pose: Pose
                          looks_of(scene.pictures, scene.height))
     with Renderer(plant.model, camera, noise) as renderer:
         return renderer.render(plant.data, robot_pose)
+
+
+def check_graphics() -> None:
+    """
+    Check that images can be drawn here.
+
+    :raises NoRenderer: where there is neither EGL nor OSMesa.
+    """
+    _make_gl_context(16, 16).free()
 
 
 def _make_gl_context(width: int, height: int) -> Any:

@@ -10,6 +10,8 @@ NEWEST = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
 QUEUE_DEPTH = 5000
 MEASUREMENT = QoSProfile(depth=QUEUE_DEPTH, reliability=ReliabilityPolicy.RELIABLE)
 COMMAND = QoSProfile(depth=QUEUE_DEPTH, reliability=ReliabilityPolicy.RELIABLE)
+# Images are large: few wait for who stands still.
+IMAGE = QoSProfile(depth=5, reliability=ReliabilityPolicy.RELIABLE)
 # Commands are subscribed best effort as well: a reliable subscriber that has lost one gets no
 # other until that is sent again, with Fast DDS up to its heartbeat period of 3 s later.
 LATEST_COMMAND = QoSProfile(depth=10, reliability=ReliabilityPolicy.BEST_EFFORT)

@@ -13,10 +13,12 @@ import signal
 import sys
 from types import FrameType, ModuleType
 
-# Module and class of each node, and module of each other command, which has a function main.
+# Module of each node and its class, or what makes it; and module of each other command, which has
+# a function main.
 NODES = {'controller': ('push_control.controller_node', 'ControllerNode'),
          'planner': ('push_planner.planner_node', 'PlannerNode'),
          'mocap_odometry': ('push_tracker.mocap_node', 'MocapNode'),
+         'mujoco_sim': ('push_mujoco.mujoco_node', 'make_node'),
          'sim': ('push_sim_node.sim_node', 'SimNode'),
          'tf_tracker': ('push_tracker.tracker_node', 'TrackerNode'),
          'tidy': ('push_tidy.tidy_node', 'TidyNode')}
@@ -45,6 +47,11 @@ def planner() -> int:
 def sim() -> int:
     """Run the simulator; return its exit status."""
     return start('sim')
+
+
+def mujoco_sim() -> int:
+    """Run the simulator in MuJoCo; return its exit status."""
+    return start('mujoco_sim')
 
 
 def mocap_odometry() -> int:

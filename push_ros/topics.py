@@ -10,7 +10,8 @@ from nav_msgs.msg import OccupancyGrid, Odometry, Path
 from push_ros import qos
 from rclpy.qos import QoSProfile
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import LaserScan
+from sensor_msgs.msg import CameraInfo, Image, LaserScan
+from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
 from visualization_msgs.msg import MarkerArray
@@ -112,6 +113,12 @@ TOPICS = {
                          'objects/NAME/object_pose each'),
     'scan': Topic(LaserScan, (SIM,), (CONTROLLER,), qos.MEASUREMENT, qos.SENSOR,
                   "scan of the robot's lidar, with place.source scan", is_optional=True),
+    'image_raw': Topic(Image, (SIM,), (), qos.IMAGE, qos.SENSOR,
+                       'image (rgb8) of the simulator mujoco_sim', is_optional=True),
+    'camera_info': Topic(CameraInfo, (SIM,), (), qos.IMAGE, qos.SENSOR,
+                         'intrinsics of its camera, with each image', is_optional=True),
+    'bumper': Topic(Bool, (SIM,), (), qos.EVENT, qos.SENSOR,
+                    "whether the switch of its robot's bumper is closed", is_optional=True),
     'place': Topic(PoseWithCovarianceStamped, (), (CONTROLLER,), qos.MEASUREMENT, qos.SENSOR,
                    'place of the robot in the map, as of AMCL or slam_toolbox, with place.source '
                    'place', is_optional=True),

@@ -14,6 +14,7 @@ from typing import Any
 
 from push_control import controller_node
 from push_model.files.flat_values import parameter_specs, ParameterSpec
+from push_mujoco.settings import MujocoSettings
 from push_planner import planner_node
 from push_ros.conversions.plan import FAILURE_CODES
 from push_ros.topics import (
@@ -31,7 +32,7 @@ SECTION = re.compile(r'(<!-- (?P<name>[\w. ]+) -->\n)(?P<body>.*?)(<!-- end -->)
 GROUPS: dict[str, Sequence[tuple[str, type]]] = {
     PLANNER: planner_node.SECTIONS,
     CONTROLLER: controller_node.SECTIONS,
-    SIM: sim_node.SECTIONS,
+    SIM: (*sim_node.SECTIONS, ('mujoco.', MujocoSettings)),
     TRACKER: tracker_node.SECTIONS,
     MOCAP: mocap_node.SECTIONS,
     TIDY: tidy_node.SECTIONS,

@@ -20,3 +20,12 @@ def import_extra(module: str, extra: str, submodule: str = '') -> ModuleType:
         pytest.skip(f'{module} is not installed, which the extra {extra!r} brings',
                     allow_module_level=True)
     return importlib.import_module(submodule or module)
+
+
+def skip_without_graphics() -> None:
+    """Skip a test that draws images in MuJoCo where there is neither EGL nor OSMesa."""
+    rendering = import_extra('mujoco', 'mujoco', 'push_mujoco.rendering')
+    try:
+        rendering.check_graphics()
+    except rendering.NoRenderer as error:
+        pytest.skip(str(error))

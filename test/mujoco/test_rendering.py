@@ -3,7 +3,7 @@
 import dataclasses
 import math
 
-from helpers.extras import import_extra
+from helpers.extras import import_extra, skip_without_graphics
 import numpy as np
 from numpy.typing import NDArray
 from push_model.files.parameter_files import read_object
@@ -29,12 +29,10 @@ ON_ROBOT = dataclasses.replace(ROBOT.camera, noise=0.0)
 
 def image_of(camera: SimulatedCamera, object_pose: Pose, robot_pose: Pose,
              noise: np.random.Generator | None = None) -> NDArray[np.uint8]:
-    """Draw the scene; skip where nothing draws."""
-    try:
-        return rendering.render_camera(rendering.TaggedScene(*SCENE), camera, object_pose,
-                                       robot_pose, noise=noise)
-    except rendering.NoRenderer as error:
-        pytest.skip(str(error))
+    """Draw the scene."""
+    skip_without_graphics()
+    return rendering.render_camera(rendering.TaggedScene(*SCENE), camera, object_pose, robot_pose,
+                                   noise=noise)
 
 
 def on_picture(points: list[tuple[float, float]], object_pose: Pose) -> NDArray[np.float64]:

@@ -1,0 +1,1 @@
+"""The simulator in MuJoCo as a node: what it publishes besides."""
