@@ -68,6 +68,8 @@ ARGUMENTS = {
                                     'PoseStamped; with tracker it is'),
     'simulation': ('false', BOOLEAN,
                    'start the simulator in place of robot and tracker'),
+    'simulator': ('sim', ['sim', 'mujoco_sim'],
+                  'which simulator that is: the own one, or MuJoCo with wheels and camera'),
     'sensors': ('', None, 'sensors of the simulator: name in config/sensors, or file'),
     'autostart': ('', SWITCH, 'configure and activate planner and controller at once; else a '
                   'lifecycle manager does'),
@@ -172,7 +174,8 @@ def simulator(given: Arguments, common: dict[str, Any]) -> list[Action]:
     parameters = {'autostart': True, 'use_sim_time': False,
                   'publish_clock': switch('use_sim_time', given['use_sim_time']),
                   **switches(given, 'enable_stamped_cmd_vel')}
-    return [push_node('sim', common, parameters)]
+    # Both have the parameters of one section.
+    return [push_node(given['simulator'], common, parameters, name='push_sim')]
 
 
 def object_poses(given: Arguments) -> dict[str, bool | None]:

@@ -6,7 +6,9 @@ mass m centred at x, and friction mu of the wheels, moments about the caster giv
 
     F = mu N,    N = m g (1 - x / c) / (1 - mu h / c)
 
-as long as the caster stands, F h < m g x.
+as long as the caster stands, F h < m g x. Beyond, the robot leans on its rear edge at -s, and
+
+    F = mu N,    N = m g (1 + x / s) / (1 + mu h / s)
 """
 
 import dataclasses
@@ -63,6 +65,10 @@ class SimulatedRobot:
     caster_radius: float = quantity('radius of the caster', 'm', above=0.0, high=1.0, default=0.01)
     caster_friction: float = quantity('coefficient between caster and floor', '', 0.0, 3.0,
                                       default=0.1)
+    rear_x: float = quantity('where its rear edge touches the floor as it tilts', 'm', -2.0, -0.01,
+                             default=-0.15)
+    rear_clearance: float = quantity('height of that edge while it stands', 'm', 1e-3, 0.1,
+                                     default=0.005)
     lidar_height: float = quantity('height of the plane of the lidar', 'm', 0.0, 3.0, default=0.2)
     camera: SimulatedCamera = SimulatedCamera()
 
@@ -92,12 +98,15 @@ class SimulatedRobot:
 
     @property
     def traction(self) -> float:
-        """Force of a push at which the wheels spin, if the caster stands then [N]."""
-        mu, caster = self.wheel_friction, self.caster_x
+        """Force of a push at which the wheels spin, however strong the motors are [N]."""
+        mu, caster, rear = self.wheel_friction, self.caster_x, -self.rear_x
+        weight, height = self.mass * GRAVITY, self.bumper_height
         if self.drive == 'holonomic':
-            return mu * self.mass * GRAVITY
-        load = self.mass * GRAVITY * (1.0 - self.center_x / caster)
-        return mu * load / (1.0 - mu * self.bumper_height / caster)
+            return mu * weight
+        standing = mu * weight * (1.0 - self.center_x / caster) / (1.0 - mu * height / caster)
+        if standing < self.lifting_force:
+            return standing
+        return mu * weight * (1.0 + self.center_x / rear) / (1.0 + mu * height / rear)
 
     def shaped_as(self, robot: RoundRobot) -> 'SimulatedRobot':
         """

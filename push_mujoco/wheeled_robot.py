@@ -60,18 +60,21 @@ def wheel_body(robot: SimulatedRobot, name: str, y: float) -> str:
 
 
 def standing_base(robot: SimulatedRobot) -> Part:
-    """Write what a differential drive stands on: two driven wheels and a caster."""
+    """Write what a differential drive stands on: two driven wheels, a caster, an edge behind."""
     wheels = (wheel_body(robot, 'left', robot.track / 2)
               + wheel_body(robot, 'right', -robot.track / 2))
     motors = ''.join(f'<velocity joint="{name}" kv="{MOTOR_GAIN}" '
                      f'forcerange="{xml(-robot.motor_torque, robot.motor_torque)}"/>'
                      for name in ('left', 'right'))
-    caster = (f'<geom name="caster" type="sphere" size="{robot.caster_radius}" '
-              f'pos="{xml(robot.caster_x, 0, robot.caster_radius)}"/>')
+    spheres = ''.join(f'<geom name="{name}" type="sphere" size="{robot.caster_radius}" '
+                      f'pos="{xml(x, 0, robot.caster_radius + clearance)}"/>'
+                      for name, x, clearance in (('caster', robot.caster_x, 0.0),
+                                                 ('rear', robot.rear_x, robot.rear_clearance)))
     pairs = [pair('floor', 'left', robot.wheel_friction, CONTACT),
              pair('floor', 'right', robot.wheel_friction, CONTACT),
-             pair('floor', 'caster', robot.caster_friction, CONTACT)]
-    return Part('<freejoint name="robot"/>' + caster + wheels, ''.join(pairs), motors)
+             pair('floor', 'caster', robot.caster_friction, CONTACT),
+             pair('floor', 'rear', robot.caster_friction, CONTACT)]
+    return Part('<freejoint name="robot"/>' + spheres + wheels, ''.join(pairs), motors)
 
 
 def sliding_base(robot: SimulatedRobot) -> Part:

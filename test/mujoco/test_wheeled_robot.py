@@ -52,6 +52,13 @@ def test_wheels_spin_at_the_traction_of_their_load(friction, height) -> None:
     assert wheeled_robot.pushing_force(robot) == pytest.approx(robot.traction, rel=0.02)
 
 
+def test_a_robot_that_tilts_pushes_on_its_rear_edge() -> None:
+    """Its weight is far behind: the caster is lifted before the wheels spin."""
+    robot = dataclasses.replace(TURTLEBOT_4, caster_friction=0.0, rear_clearance=1e-3)
+    assert robot.lifting_force < 0.6 * robot.traction
+    assert wheeled_robot.pushing_force(robot) == pytest.approx(robot.traction, rel=0.03)
+
+
 def test_weak_motors_stall_before_the_wheels_spin() -> None:
     robot = dataclasses.replace(HEAVY_FRONT, motor_torque=0.1)
     stalled = 2.0 * robot.motor_torque / robot.wheel_radius

@@ -27,7 +27,7 @@ def launched(tmp_path):
         launched.close()
 
 
-@pytest.mark.parametrize('name', ['simulation', 'robot'])
+@pytest.mark.parametrize('name', ['simulation', 'robot', 'turtlebot4_simulation'])
 def test_the_arguments_that_users_expect_are_there(name):
     source = launch.launch_description_sources.AnyLaunchDescriptionSource(str(launch_file(name)))
     described = source.get_launch_description(launch.LaunchContext())
