@@ -35,7 +35,8 @@ setup(
                  'Programming Language :: Python :: 3', 'Topic :: Scientific/Engineering'],
     python_requires='>=3.10',
     packages=find_packages(include=['push_*'], exclude=['push_control_msgs*']),
-    package_data={'push_scenario': ['dds/*.xml'], 'push_view': ['page/*']},
+    package_data={'push_planner': ['outlook.json'], 'push_scenario': ['dds/*.xml'],
+                  'push_view': ['page/*']},
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (str(SHARE), ['package.xml']),

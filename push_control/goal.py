@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from push_model.events import AnyReport
 from push_model.geometry import Pose
+from push_model.outlook import Outlook
 from push_model.plan_request import (
     check_heading_tolerance, MAX_HEADING_TOLERANCE, MAX_TOLERANCE, MIN_TOLERANCE)
 from push_model.signals import PoseDeviation
@@ -125,6 +126,7 @@ class GoalProgress(NamedTuple):
     :param heading_error: heading of the object minus that of its goal [rad]; nan before.
     :param deviation: ``PoseDeviation`` of the object in the frame of its goal, where that drifts
         with odometry; None where it does not.
+    :param outlook: ``Outlook`` from now on; None where none is known.
     """
 
     state: PushState = PushState.IDLE
@@ -134,3 +136,4 @@ class GoalProgress(NamedTuple):
     position_error: float = math.nan
     heading_error: float = math.nan
     deviation: PoseDeviation | None = None
+    outlook: Outlook | None = None

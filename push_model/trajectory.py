@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 from push_model.geometry import FloatArray, Pose
+from push_model.outlook import Outlook
 
 # Distance between the ends of a line and the robot of its samples above which they contradict
 # each other [m]; chosen: above the lag of a simulated robot, far below what moves the contact.
@@ -85,6 +86,8 @@ class PushTrajectory:
     :param style: how the push is driven; the trajectory of a straight push is the mean of what
         may happen.
     :param line: what the robot drives in a straight push; None for a steered one.
+    :param outlook: ``Outlook`` of the end: of the task, or of a single push; None where whoever
+        planned states none.
     :raises ValueError: naming the array, its shape or the sample that is wrong, or what is wrong
         with the line.
     """
@@ -98,6 +101,7 @@ class PushTrajectory:
     robot_twists: FloatArray
     style: PushStyle = PushStyle.STEERED
     line: PushLine | None = None
+    outlook: Outlook | None = None
 
     def __repr__(self) -> str:
         """Say in one line what it is."""

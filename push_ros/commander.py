@@ -41,7 +41,11 @@ class PushFeedback(NamedTuple):
     :param heading_deviation: of the heading [rad], likewise.
     :param codes: cause codes of the reason, such as ``TaskEvent.AVERAGING``.
     :param elapsed_time: since the goal was taken [s].
-    :param estimated_time_remaining: if it goes on like this [s]; 0 while nothing is known.
+    :param estimated_time_remaining: median that the last plan states [s]; 0 while nothing is
+        known.
+    :param expected_time_p95: time within which 95 % of such tasks end, from now on [s]; nan while
+        nothing is known, as is the chance.
+    :param chance: to be done, with the object within its tolerances.
     """
 
     state: int
@@ -55,6 +59,8 @@ class PushFeedback(NamedTuple):
     codes: tuple[str, ...]
     elapsed_time: float
     estimated_time_remaining: float
+    expected_time_p95: float
+    chance: float
 
 
 class PushResult(NamedTuple):
@@ -120,7 +126,7 @@ class PushCommander(ActionCommander[PushFeedback, PushResult]):
             status.state, status.text, status.push_number, status.pushes_done,
             status.position_error, status.heading_error, status.position_deviation,
             status.heading_deviation, tuple(status.codes), seconds(message.elapsed_time),
-            seconds(message.estimated_time_remaining))
+            seconds(message.estimated_time_remaining), status.expected_time_p95, status.chance)
 
     def _read_result(self, outcome: PushOutcome, message: Any) -> PushResult:
         return PushResult(

@@ -2,6 +2,7 @@
 
 from typing import Any, NamedTuple, NoReturn
 
+from push_model.outlook import Outlook
 from push_model.plan_request import PlanRequest
 from push_planner.planned_pushes import planned_pushes, PlannedPush
 from push_planner.problem import PlanningFailed
@@ -16,13 +17,13 @@ class FirstPlan(NamedTuple):
 
     :param request: the ``PlanRequest``, as the robot makes it at its start.
     :param pushes: ``PlannedPush`` of each push; none where there is no plan.
-    :param expected_time: of everything until the object is at its goal [s].
+    :param outlook: ``Outlook`` of the task; None where there is no plan.
     :param refusal: ``PlanningFailed``, why there is no plan; else None.
     """
 
     request: PlanRequest
     pushes: tuple[PlannedPush, ...] = ()
-    expected_time: float = 0.0
+    outlook: Outlook | None = None
     refusal: PlanningFailed | None = None
 
     def __str__(self) -> str:
@@ -30,7 +31,7 @@ class FirstPlan(NamedTuple):
         if self.refusal is not None:
             return f'no plan ({self.refusal.code.name}): {self.refusal.reason}'
         noun = 'push' if len(self.pushes) == 1 else 'pushes'
-        return f'{len(self.pushes)} {noun} planned, about {self.expected_time:.0f} s'
+        return f'{len(self.pushes)} {noun} planned: {self.outlook}'
 
 
 class _Requested(Exception):
@@ -57,7 +58,7 @@ def find_first_plan(scenario: Scenario) -> FirstPlan:
     except PlanningFailed as failure:
         return FirstPlan(request, refusal=failure)
     pushes = planned_pushes(plan, request.obj, scenario.robot, task.drive, task.occupancy_map)
-    return FirstPlan(request, pushes, plan.expected_time)
+    return FirstPlan(request, pushes, plan.trajectory.outlook)
 
 
 def _first_request(scenario: Scenario) -> PlanRequest:

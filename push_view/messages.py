@@ -206,7 +206,10 @@ def push_message(time: float, trajectory: PushTrajectory) -> Message:
     :param time: from which on it holds [s].
     """
     picked = np.unique(np.linspace(0, len(trajectory.times) - 1, PLAN_SAMPLES).astype(int))
+    outlook = trajectory.outlook
     return {'type': 'plan', 'time': _rounded_number(time),
+            'outlook': None if outlook is None else {
+                name: _rounded_number(value) for name, value in outlook.values().items()},
             'object': [rounded(pose) for pose in trajectory.object_poses[picked]],
             'robot': [rounded(pose) for pose in trajectory.robot_poses[picked]],
             'contact': [rounded(pose) for pose in trajectory.contact_poses[picked]],

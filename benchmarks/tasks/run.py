@@ -119,11 +119,15 @@ def run_case(case: Case) -> tuple[RunResult, PlanningClock]:
     :return: (``RunResult``, ``PlanningClock``).
     """
     clock = PlanningClock(case.intervention)
-    plant_type = _plant_type(case)
-    return simulate(case.scenario, intervene=clock, plant_type=plant_type), clock
+    return simulate(case.scenario, intervene=clock, plant_type=plant_type(case)), clock
 
 
-def _plant_type(case: Case) -> type[Plant]:
+def plant_type(case: Case) -> type[Plant]:
+    """
+    Choose what moves object and robot of a task.
+
+    :param case: ``Case`` of ``benchmarks.tasks.cases``.
+    """
     if not case.is_spatial:
         return Plant
     # Imported here, as it comes with an extra.

@@ -100,7 +100,7 @@ class ActiveController:
         action = PushActionServer(node, self.goals, interfaces, self._receive_goal,
                                   is_active=lambda: node.is_active, check_base=self._base.run,
                                   objects=ObjectSelector(catalogue.find, self._use_object))
-        action.set_object(*self._parameters.named_object)
+        action.set_object(self._parameters.named_object[0])
         return action
 
     # The lifecycle.
@@ -452,7 +452,7 @@ class ActiveController:
         self._scene.set_object(obj)
         self._latest.object_pose = None
         if self._action is not None:
-            self._action.set_object(name, obj)
+            self._action.set_object(name)
         self._reporter.report(OK, f'turns to the object {name!r}' if name
                               else 'turns to the object of the parameters')
 

@@ -12,7 +12,6 @@ from typing import Any, Callable, NamedTuple
 
 from builtin_interfaces.msg import Duration
 from push_control.goal import GoalOutcome, GoalProgress, PushGoal, PushState
-from push_control.remaining_time import RemainingTimeEstimator
 from push_control.ros.base_check import BaseFault
 from push_control.ros.goal_entry import GoalEntry, GoalHandle
 from push_control.task.code_text import code_names
@@ -35,6 +34,14 @@ ERRORS = {GoalOutcome.REACHED: 'NONE', GoalOutcome.CANCELLED: 'INTERRUPTED',
           GoalOutcome.REPLACED: 'PREEMPTED', GoalOutcome.TIMED_OUT: 'TIMEOUT',
           GoalOutcome.NO_PLAN: 'NO_VALID_PLAN', GoalOutcome.FAILED: 'FAILED_TO_MAKE_PROGRESS',
           GoalOutcome.INTERRUPTED: 'INTERRUPTED'}
+
+# Fields of a status, by which number of an ``Outlook`` they are.
+STATED = {'chance': 'chance',
+          'expected_time_median': 'time.median', 'expected_time_p95': 'time.p95',
+          'expected_position_error_median': 'position_error.median',
+          'expected_position_error_p95': 'position_error.p95',
+          'expected_heading_error_median': 'heading_error.median',
+          'expected_heading_error_p95': 'heading_error.p95'}
 
 
 class GoalReceiver(NamedTuple):
@@ -92,14 +99,13 @@ class PushActionServer:
             node, interfaces.action, ACTION, goal_callback=self._answer_goal,
             handle_accepted_callback=self._on_goal, cancel_callback=self._on_cancel)
 
-    def set_object(self, name: str, obj: PushedObject) -> None:
+    def set_object(self, name: str) -> None:
         """
         Serve goals for an object from now on.
 
         :param name: its name, or empty.
         """
         self._object_name = name
-        self._remaining_time = RemainingTimeEstimator(obj)
         # The next status names it.
         self._last_state = None
 
@@ -126,8 +132,7 @@ class PushActionServer:
         self._status_publisher.publish(status)
         if self._current is None or not math.isfinite(progress.position_error):
             return
-        remaining_time = self._remaining_time.estimate(
-            feedback.elapsed_time, progress.position_error, progress.heading_error)
+        remaining_time = 0.0 if progress.outlook is None else progress.outlook.time.median
         self._current.publish_feedback(self._interfaces.action.Feedback(
             status=status, elapsed_time=to_stamp(feedback.elapsed_time, Duration),
             estimated_time_remaining=to_stamp(remaining_time, Duration)))
@@ -195,7 +200,6 @@ class PushActionServer:
             refuse('INVALID_GOAL', str(error))
             return
         self._goals.start(goal, lambda ended: self._on_end(handle, ended), prepare)
-        self._remaining_time.reset()
         self._current = handle
 
     def _preparation(self, name: str) -> Callable[[], None] | None:
@@ -257,7 +261,7 @@ class PushActionServer:
             state=getattr(self._interfaces.status, progress.state.name),
             text=f'{progress.state.value}, {reason}' if reason else progress.state.value,
             push_number=progress.pushes, pushes_done=progress.pushes - is_pushing,
-            codes=code_names(codes(progress.cause)), **_errors(progress))
+            codes=code_names(codes(progress.cause)), **_errors(progress), **_stated(progress))
         status.header.stamp = to_stamp(time)
         status.header.frame_id = self._goals.frame
         return status
@@ -268,6 +272,15 @@ def _errors(progress: GoalProgress) -> dict[str, float]:
     deviation = progress.deviation or PoseDeviation(math.nan, math.nan)
     return {'position_error': progress.position_error, 'heading_error': progress.heading_error,
             'position_deviation': deviation.position, 'heading_deviation': deviation.heading}
+
+
+def _stated(progress: GoalProgress) -> dict[str, float]:
+    """Name what the last plan states of the end as the status has it; NaN where nothing is."""
+    outlook = progress.outlook
+    if outlook is None:
+        return dict.fromkeys(STATED, math.nan)
+    values = outlook.values()
+    return {field: values[name] for field, name in STATED.items()}
 
 
 def _check_pose(message: Any) -> None:

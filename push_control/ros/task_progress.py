@@ -26,7 +26,7 @@ def task_progress(status: SupervisorStatus, cause: AnyReport | None, *,
     if is_started and status.failure is TaskFailure.NO_PLAN:
         outcome = GoalOutcome.NO_PLAN
     return GoalProgress(STATES[status.state], cause, outcome, status.pushes,
-                        deviation=status.goal_deviation)
+                        deviation=status.goal_deviation, outlook=status.outlook)
 
 
 def with_errors(progress: GoalProgress, measured: Pose, goal: Pose) -> GoalProgress:

@@ -30,6 +30,7 @@ from push_control.task.status import StateChange, SupervisorStatus, TaskState
 from push_model.events import AnyReport, codes, Report, sentence
 from push_model.geometry import Pose
 from push_model.observation import Observation, Stamps
+from push_model.outlook import Outlook
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectEstimate, STOP, Twist
 from push_model.trajectory import PushTrajectory
@@ -49,6 +50,13 @@ class _Answer(NamedTuple):
     stamps: Stamps | None = None
     command: Twist = STOP
     behavior: Behavior[Any] | None = None
+
+
+class _StatedOutlook(NamedTuple):
+    """An ``Outlook`` and the time of the plan that stated it [s]."""
+
+    outlook: Outlook
+    time: float
 
 
 class TaskExecution:
@@ -78,6 +86,8 @@ class TaskExecution:
         self._behavior: Behavior[Any] = Stand()
         self._goal: TaskGoal | None = None
         self._plan: PushTrajectory | None = None
+        # Of the last plan to the present goal.
+        self._stated: _StatedOutlook | None = None
         # That localization has started over, until a push has moved the object.
         self._restart: Report[TaskEvent] | None = None
         # Whether what it pushes has stopped the robot just now, and it backs off.
@@ -114,7 +124,14 @@ class TaskExecution:
             robot_pose=perception.robot_pose if perception.is_localized else None,
             is_requested=machine.is_requested and cause is machine.cause,
             failure=machine.failure, codes=codes(cause),
-            goal_deviation=perception.goal_deviation)
+            goal_deviation=perception.goal_deviation, outlook=self._outlook)
+
+    @property
+    def _outlook(self) -> Outlook | None:
+        """What remains of the outlook of the last plan; None once the goal has ended."""
+        if self._stated is None or self.state.is_final or self.state is TaskState.IDLE:
+            return None
+        return self._stated.outlook.later(self._perception.time - self._stated.time)
 
     @property
     def state(self) -> TaskState:
@@ -172,6 +189,12 @@ class TaskExecution:
     @property
     def _is_straight(self) -> bool:
         return self._plan is not None and self._plan.style.is_straight
+
+    def _set_plan(self, plan: PushTrajectory) -> None:
+        """Keep a plan, and what it states."""
+        self._plan = plan
+        self._stated = None if plan.outlook is None else _StatedOutlook(
+            plan.outlook, self._perception.time)
 
     # From a measurement to a command.
 
@@ -307,6 +330,7 @@ class TaskExecution:
         if goal is None:
             return False
         self._goal = goal
+        self._stated = None
         self._machine.start_task()
         self._enter(TaskState.PLAN, TaskEvent.NEW_GOAL.report(), is_requested=True)
         return True

@@ -8,6 +8,7 @@ from push_control.goal import TaskFailure
 from push_control.steered.status import ControllerStatus
 from push_model.events import Codes
 from push_model.geometry import Pose
+from push_model.outlook import Outlook
 from push_model.signals import PoseDeviation
 
 
@@ -77,6 +78,8 @@ class SupervisorStatus:
     :param codes: of the reason, as of ``Report``.
     :param goal_deviation: ``PoseDeviation`` of the object in the frame of its goal, where the
         place of that drifts with odometry; None where it does not.
+    :param outlook: ``Outlook`` of the last plan, from now on; None where none was stated for this
+        goal, or it has ended.
     """
 
     state: TaskState = TaskState.IDLE
@@ -91,3 +94,4 @@ class SupervisorStatus:
     failure: TaskFailure | None = None
     codes: Codes = ()
     goal_deviation: PoseDeviation | None = None
+    outlook: Outlook | None = None

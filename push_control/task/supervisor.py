@@ -43,6 +43,7 @@ class Supervisor(TaskExecution):
         if not Pose(*pose).is_finite():
             raise ValueError(f'goal: got {pose}, expected three finite numbers')
         self._goal = TaskGoal(Pose(*pose), since)
+        self._stated = None
         self._reasons.resume()
         if self._behavior.take_goal(self._goal, self._behaviors.tolerances):
             self._machine.note(self._perception.time, TaskEvent.NEW_GOAL.report(),
@@ -164,7 +165,7 @@ class Supervisor(TaskExecution):
 
     def drive(self, trajectory: PushTrajectory) -> None:
         """Follow a plan, be it requested or not; without a stop where the behaviour can."""
-        self._plan = trajectory
+        self._set_plan(trajectory)
         if self._behavior.take_plan(trajectory):
             self._machine.note(self._perception.time, TaskEvent.NEW_PLAN.report(),
                                is_requested=True)
@@ -177,7 +178,7 @@ class Supervisor(TaskExecution):
 
         :param cause: ``Report`` of why it is not driven now.
         """
-        self._plan = trajectory
+        self._set_plan(trajectory)
         self._enter(TaskState.IDLE, cause)
 
     def on_planning_failed(self, code: PlanFailure, reason: str | AnyReport) -> None:
@@ -313,6 +314,6 @@ class Supervisor(TaskExecution):
 
     def _abandon(self) -> None:
         """Forget goal and plan; one of repeated pushes tells how the robot backs off."""
-        self._goal = None
+        self._goal = self._stated = None
         if self.keeps_plan:
             self._plan = None

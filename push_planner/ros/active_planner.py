@@ -12,6 +12,7 @@ from builtin_interfaces.msg import Time
 from push_model.geometry import distance, Pose
 from push_model.plan_request import PlanFailure, PlanRequest, RequestKind
 from push_model.signals import ObjectPose, Odometry, STOP
+from push_model.trajectory import PushTrajectory
 from push_planner.problem import check_solver, PlanningFailed
 from push_planner.ros.parameters import PlannerParameters
 from push_planner.ros.requested_object import OverruledParameters
@@ -328,7 +329,7 @@ class ActivePlanner:
     def _plan_push(self, request: PlanRequest, stamp: Time) -> str:
         """Plan one push from the newest measurements, and publish it."""
         check_solver()
-        from push_planner.steered.replanning import plan_from_measurements
+        from push_planner.steered.replanning import plan_from_measurements, stated_trajectory
         self._pending = None
         parameters, (measured, odometry) = self._parameters, self._measurements()
         is_outdated = measured.time < seconds(stamp)
@@ -341,7 +342,8 @@ class ActivePlanner:
                                         previous=self._previous_plan,
                                         tolerances=request.tolerances)
         self._previous_plan = choice.plan
-        return self._publish(choice, odometry.pose, stamp)
+        return self._publish(choice, stated_trajectory(choice.plan, request.tolerances),
+                             odometry.pose, stamp)
 
     def _plan_task_push(self, request: PlanRequest, stamp: Time) -> str:
         """Plan the next push of a task, and publish it."""
@@ -356,8 +358,9 @@ class ActivePlanner:
         self._markers.publish(self._tasks.markers(request, task_plan, stamp))
         return text
 
-    def _publish(self, choice: 'SiteChoice', robot_pose: Pose, stamp: Time) -> str:
-        plan, trajectory = choice.plan, choice.plan.trajectory
+    def _publish(self, choice: 'SiteChoice', trajectory: PushTrajectory, robot_pose: Pose,
+                 stamp: Time) -> str:
+        plan = choice.plan
         self._plans.publish(to_plan_message(trajectory, stamp, self._frame))
         self._paths.publish(to_path_message(trajectory.object_poses.tolist(), stamp,
                                             self._frame))
@@ -368,8 +371,9 @@ class ActivePlanner:
         if distance(start, robot_pose) > self._parameters.planner.contact_tolerance:
             level = WARN
             text += f' for a robot at {start.x:.3f} m, {start.y:.3f} m, {start.theta:.3f} rad'
+        outlook = {} if trajectory.outlook is None else trajectory.outlook.values()
         return self._report(level, text, {
-            **plan.report, 'robot_start': start,
+            **plan.report, **outlook, 'robot_start': start,
             'present_speed': plan.problem.motion.speed, **_one_line_per_site(choice.candidates)})
 
     def _report(self, level: bytes, text: str, values: Mapping[str, Any] | None = None) -> str:

@@ -223,5 +223,10 @@ def _description(plan: TaskPlan) -> Description:
     noun = 'push' if count == 1 else 'pushes'
     text = (f'has planned {count} {noun} of expected {plan.expected_time:.1f} s in all, the first '
             f'of {plan.length:.2f} m')
+    outlook = plan.trajectory.outlook
+    stated = {}
+    if outlook is not None:
+        text += f'; {outlook}'
+        stated = outlook.values()
     return Description(text, {
-        **plan.report, 'robot_start': Pose(*plan.trajectory.robot_poses[0].tolist())})
+        **plan.report, **stated, 'robot_start': Pose(*plan.trajectory.robot_poses[0].tolist())})

@@ -18,6 +18,8 @@ from push_model.plan_request import GoalTolerances, PlanFailure
 from push_model.quasi_static import quasi_static_yaw_rate
 from push_model.robot_kinematics import contact_velocity
 from push_model.signals import ObjectPose, Odometry
+from push_model.trajectory import PushTrajectory
+from push_planner.outlook import push_outlook
 from push_planner.problem import InitialMotion, PlanningFailed, problem_from_placement, PushProblem
 from push_planner.settings import PlannerSettings
 from push_planner.steered.feasibility import check_not_at_goal
@@ -69,6 +71,16 @@ def plan_from_measurements(obj: PushedObject, robot: RoundRobot, measured: Objec
     if current is not None and settings.site == 'current':
         return SiteChoice(plan_push(current), ())
     return choose_site(obj, robot, measured.pose, goal, settings, current)
+
+
+def stated_trajectory(plan: Plan, tolerances: GoalTolerances) -> PushTrajectory:
+    """
+    Give the trajectory of a single push its outlook.
+
+    :param tolerances: ``GoalTolerances`` within which the object counts as at its goal.
+    """
+    outlook = push_outlook(plan.motion.duration, plan.motion.path_length, tolerances)
+    return dataclasses.replace(plan.trajectory, outlook=outlook)
 
 
 def problem_from_measurements(obj: PushedObject, robot: RoundRobot, measured: ObjectPose,

@@ -3,8 +3,9 @@ Plans to messages and back.
 
 A plan is a ``trajectory_msgs/JointTrajectory`` whose joint names say what each number is, as those
 of a plan request do. Each point has poses of object, contact and robot as positions, and their
-rates as velocities. The numbers of the push itself do not move: its style, and where it is
-straight its line. Where there is no plan the only number is the code of the failure.
+rates as velocities. The numbers of the push itself do not move: its style, where it is straight
+its line, and where one is stated its outlook. Where there is no plan the only number is the code
+of the failure.
 """
 
 from typing import Any, Iterable
@@ -14,6 +15,7 @@ from geometry_msgs.msg import PoseStamped
 from nav_msgs.msg import Path
 import numpy as np
 from push_model.geometry import Coordinates, FloatArray, Pose
+from push_model.outlook import Outlook, OUTLOOK_NAMES
 from push_model.plan_request import PlanFailure
 from push_model.trajectory import PushLine, PushStyle, PushTrajectory
 from push_ros.conversions.joint_names import check_joint_names
@@ -98,11 +100,13 @@ def from_plan_message(message: JointTrajectory, frame: str,
     """
     check_frame(message.header.frame_id, frame, topic)
     names = list(message.joint_names)
-    check_joint_names(names, (STYLE, *MOTION), topic, optional=LINE)
+    check_joint_names(names, (STYLE, *MOTION), topic, optional=(*LINE, *OUTLOOK_NAMES))
     positions = _field_values(message, 'positions', MAX_POSITION, topic)
     velocities = _field_values(message, 'velocities', MAX_VELOCITY, topic)
     style = _style(_constant(STYLE, names, positions, topic), topic)
-    check_joint_names(names, (STYLE, *(LINE if style.is_straight else ()), *MOTION), topic)
+    expected = (STYLE, *(LINE if style.is_straight else ()),
+                *(OUTLOOK_NAMES if OUTLOOK_NAMES[0] in names else ()))
+    check_joint_names(names, (*expected, *MOTION), topic)
     arrays: dict[str, Any] = {
         'times': [seconds(point.time_from_start) for point in message.points]}
     columns = [names.index(name) for name in MOTION]
@@ -111,11 +115,11 @@ def from_plan_message(message: JointTrajectory, frame: str,
         poses = positions[:, selected]
         poses[:, 2] = np.unwrap(poses[:, 2])
         arrays[f'{body}_poses'], arrays[f'{body}_twists'] = poses, velocities[:, selected]
-    line = None
-    if style.is_straight:
-        line = _line([_constant(name, names, positions, topic) for name in LINE], topic)
+    constants = {name: _constant(name, names, positions, topic) for name in expected}
+    line = _line([constants[name] for name in LINE], topic) if style.is_straight else None
     try:
-        return PushTrajectory(**arrays, style=style, line=line)
+        outlook = Outlook.from_values(constants) if OUTLOOK_NAMES[0] in expected else None
+        return PushTrajectory(**arrays, style=style, line=line, outlook=outlook)
     except ValueError as error:
         raise MessageRefused(f'{topic}: {error}') from error
 
@@ -142,6 +146,8 @@ def _push_values(trajectory: PushTrajectory) -> dict[str, float]:
     if line is not None:
         line_values = (*line.start, line.curvature, line.length, line.face)
         values.update(zip(LINE, map(float, line_values)))
+    if trajectory.outlook is not None:
+        values.update(trajectory.outlook.values())
     return values
 
 

@@ -200,11 +200,11 @@ class SinglePushControl(RobotControl):
                    settings: PlannerSettings) -> PushTrajectory:
         check_solver()
         # Imported here: straight pushes need no casadi.
-        from push_planner.steered.replanning import plan_from_measurements
-        scenario = self._scenario
-        return plan_from_measurements(
-            scenario.object, scenario.robot, measured, odometry, self.goal, settings,
-            tolerances=scenario.control.tolerances).plan.trajectory
+        from push_planner.steered.replanning import plan_from_measurements, stated_trajectory
+        scenario, tolerances = self._scenario, self._scenario.control.tolerances
+        choice = plan_from_measurements(scenario.object, scenario.robot, measured, odometry,
+                                        self.goal, settings, tolerances=tolerances)
+        return stated_trajectory(choice.plan, tolerances)
 
 
 class TaskControl(RobotControl):

@@ -166,6 +166,7 @@ class Panel {
         number(values('believed_object_heading_deviation'), 1 / DEGREE, 1, '°')}`);
       this.setValue('object seen', isSeen(values) ? 'yes' : 'no');
     }
+    this.showOutlook(recording, time);
     const truth = recording.latest('truth', time), center = recording.scene.object.friction_center;
     if (truth) {
       const x = values('believed_center_x'), y = values('believed_center_y');
@@ -173,6 +174,19 @@ class Panel {
       this.setValue('believed minus true centre of friction', number(Math.hypot(
         believed[0] - truth.friction_center[0], believed[1] - truth.friction_center[1]), 1e3, 0, 'mm'));
     }
+  }
+
+  // What the last plan states of the end, until that is there.
+  showOutlook(recording, time) {
+    const plan = recording.latest('plan', time), outlook = plan && plan.outlook;
+    if (!outlook) return;
+    const isOver = Boolean(recording.latest('ending', time));
+    const text = (words) => isOver ? '–' : words;
+    const left = (level) => Math.max(0, outlook[`time.${level}`] - (time - plan.time)).toFixed(0);
+    const error = (level) => (1e3 * outlook[`position_error.${level}`]).toFixed(1);
+    this.setValue('stated chance', text(`${(100 * outlook.chance).toFixed(0)} %`));
+    this.setValue('time left, as stated', text(`${left('median')} s (95 %: ${left('p95')} s)`));
+    this.setValue('error at the end, as stated', text(`${error('median')} mm (95 %: ${error('p95')} mm)`));
   }
 
   showFriction(recording, values, time) {

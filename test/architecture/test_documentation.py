@@ -13,6 +13,7 @@ PAGES = sorted(path.relative_to(ROOT).as_posix() for path in files(ROOT) if path
 TEXTS = {page: (ROOT / page).read_text(encoding='utf-8') for page in PAGES}
 REPORTS = {
     'benchmarks/calibration/calibrate.md.in': 'docs/robots/calibrate.md',
+    'benchmarks/chances/chances.md.in': 'docs/reports/chances.md',
     'benchmarks/controller/controller.md.in': 'docs/reports/controller.md',
     'benchmarks/faults/faults.md.in': 'docs/reports/faults.md',
     'benchmarks/planner/planner.md.in': 'docs/reports/planner.md',

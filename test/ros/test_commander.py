@@ -117,6 +117,8 @@ def test_a_cancelled_robot_backs_off_and_the_next_goal_is_reached(context, comma
 
     def cancel_while_pushing(feedback):
         if feedback.state == PushStatus.PUSHING:
+            assert 0.0 < feedback.chance <= 1.0
+            assert 0.0 < feedback.estimated_time_remaining < feedback.expected_time_p95
             commander.cancel()
 
     assert commander.push_to(FAR)

@@ -5,6 +5,7 @@ import math
 
 from builtin_interfaces.msg import Duration
 from geometry_msgs.msg import Quaternion, Twist as TwistMessage
+from helpers.outlooks import OUTLOOK
 import numpy as np
 from push_model.geometry import Pose, wrap_angle
 from push_model.signals import ObjectPose, Odometry, PoseCovariance, Twist
@@ -198,7 +199,8 @@ def straight(style=PushStyle.STRAIGHT):
     distances = np.linspace(0.0, line.length, len(plan.times))
     return dataclasses.replace(
         plan, times=np.arange(len(plan.times)) / 5.0, style=style, line=line,
-        robot_poses=line.robot_poses(Pose(*plan.object_poses[0].tolist()), distances))
+        robot_poses=line.robot_poses(Pose(*plan.object_poses[0].tolist()), distances),
+        outlook=OUTLOOK)
 
 
 def test_steered_plans_survive_with_whole_turns_within_them():
@@ -219,6 +221,15 @@ def test_a_plan_says_which_push_it_is(style):
     assert (back.style, back.line) == (style, plan.line)
     for name in ('times', *COLUMNS):
         assert np.array_equal(getattr(back, name), getattr(plan, name))
+
+
+def test_a_plan_carries_what_it_states_of_the_end():
+    """All of it or nothing."""
+    message = sent(to_plan_message(straight(), to_stamp(2.0), 'odom'))
+    assert from_plan_message(message, 'odom').outlook == OUTLOOK
+    _remove('time.p90')(message)
+    with pytest.raises(MessageRefused, match='time.p90: got nothing, expected a number'):
+        from_plan_message(message, 'odom')
 
 
 def test_joints_may_come_in_another_order():
@@ -287,7 +298,7 @@ def _map(message):
     (_remove('contact.y'), 'contact.y: got nothing, expected a number'),
     *((_remove(name), f'{name}: got nothing, expected a number')
       for name in ('style', 'start.x', 'start.y', 'start.heading', 'curvature', 'length', 'face')),
-    (_short_point, '15 velocities in point 3, expected 16'), (_one_point, 'got 1 samples'),
+    (_short_point, '28 velocities in point 3, expected 29'), (_one_point, 'got 1 samples'),
     (_no_point, 'got no points'), (_backwards, 'increasing'),
     (_map, "frame 'map', expected 'odom'"),
     (_set('contact.x', math.nan, slice(2, 3)), 'contact.x: got nan in the positions of point 2'),
@@ -297,7 +308,8 @@ def _map(message):
     (_set('curvature', 0.5), 'got ends 0.1.* m beside those of robot_poses'),
     (_set('start.x', -0.3), 'got ends 0.07 m beside'), (_set('length', 0.0), 'a length above 0'),
     (_set('face', 1.5), 'face: got 1.5, expected a whole number'),
-    (_set('face', -1.0), 'a face from 0 on')])
+    (_set('face', -1.0), 'a face from 0 on'), (_set('chance', 1.5), 'chance: got 1.5'),
+    (_set('time.p95', 10.0), 'time: got .* that do not fall')])
 def test_a_malformed_plan_is_refused(spoil, text):
     """The error says what is wrong."""
     message = to_plan_message(straight(), to_stamp(0.0), 'odom')

@@ -6,6 +6,7 @@ import math
 
 from helpers.maps import walled_room
 from helpers.objects import box
+from helpers.outlooks import OUTLOOK
 from helpers.straight_pushes import straight_push
 from push_control.behaviors.failures import BehaviorFailure
 from push_control.events import TaskEvent
@@ -92,6 +93,24 @@ def test_a_task_cancelled_in_a_push_backs_off_and_forgets_its_goal() -> None:
     task.step()
     assert {task.step() for _ in range(20)} == {STOP}
     assert task.supervisor.plan_request is None and task.supervisor.state is TaskState.IDLE
+
+
+def test_what_a_plan_states_holds_until_the_goal_ends() -> None:
+    """Nothing before there is a plan; the time that it states passes."""
+    task = StuckTask()
+    task.plan = dataclasses.replace(task.plan, outlook=OUTLOOK)
+    task.step()
+    assert task.supervisor.status.outlook is None
+    task.drive_until(TaskState.APPROACH)
+    planned_at = task.time
+    task.drive_until(TaskState.PUSH)
+    outlook = task.supervisor.status.outlook
+    assert outlook is not None and task.time > planned_at
+    passed = OUTLOOK.time.median - outlook.time.median
+    assert passed == pytest.approx(task.time - planned_at)
+    assert outlook.chance == OUTLOOK.chance and outlook.position_error == OUTLOOK.position_error
+    task.supervisor.set_goal(GOAL)
+    assert task.supervisor.status.outlook is None
 
 
 def test_a_map_with_an_obstacle_on_the_path_ends_it_and_one_beside_does_not() -> None:

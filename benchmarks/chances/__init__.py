@@ -1,0 +1,1 @@
+"""Benchmark of stated chances: how often tasks and pushes end as their plans have stated."""

@@ -1,0 +1,141 @@
+"""
+Benchmark of stated chances: how often tasks and pushes end as their plans have stated.
+
+Cases are those of ``benchmarks.tasks`` and ``benchmarks.controller`` with seeds of their own.
+Coefficients are fitted in the package's own plant alone; ``--fit`` writes them to
+``push_planner/outlook.json``. Each run is judged by coefficients fitted on runs with other seeds.
+Takes some minutes on two cores, with ``--scale 8`` an hour. Records are stored in ``--records`` as
+runs finish, and the same command resumes after Ctrl-C.
+"""
+
+import argparse
+import functools
+import json
+from pathlib import Path
+import sys
+from typing import Any, Callable
+
+from benchmarks.chances.coverage import chance_table, quantile_table, Statement
+from benchmarks.chances.fit import fit_model
+from benchmarks.chances.jobs import push_jobs, task_jobs
+from benchmarks.chances.runs import run_push, run_task
+from benchmarks.chances.samples import push_samples, PUSH_TOLERANCES, Sample, task_samples
+from benchmarks.controller.tables import Job, Pair
+from benchmarks.report_template import fill_template
+from benchmarks.tasks.cases import IN_MAPS, OPEN, SLIPPERY, SPATIAL, STRICT
+from push_planner.outlook import COEFFICIENTS, MAP, OPEN_FLOOR, OutlookModel, STEERED_PUSH
+from push_scenario.parallel import ERROR, JobFunction, progress_bar, run_many
+
+TEXT = Path(__file__).with_name('chances.md.in')
+STEERED = 'steered pushes'
+SPATIAL_STEERED = 'steered pushes, MuJoCo'
+# Names of the groups in the report.
+TITLES = {OPEN: 'tasks on open floor', STRICT: 'narrow tolerances', SLIPPERY: 'slippery contacts',
+          SPATIAL: 'MuJoCo', IN_MAPS: 'maps', STEERED: STEERED,
+          SPATIAL_STEERED: SPATIAL_STEERED}
+COUNTS = {OPEN: 42, STRICT: 8, SLIPPERY: 8, SPATIAL: 15, IN_MAPS: 12, STEERED: 80,
+          SPATIAL_STEERED: 24}
+# What the coefficients are fitted on: models and their groups.
+FITTED = {OPEN_FLOOR: (OPEN, STRICT), MAP: (IN_MAPS,), STEERED_PUSH: (STEERED,)}
+# Parts of the seeds, each of which is judged by what was fitted on the others; chosen.
+FOLDS = 5
+# Further tolerances at which chances of steered pushes are checked, over their own.
+SCALES = 0.5, 0.25
+# Exit status after Ctrl-C: 128 + SIGINT, the convention of shells.
+INTERRUPTED = 130
+
+Samples = dict[str, list[Sample]]
+Condition = Callable[[Sample], bool]
+
+
+def options() -> argparse.Namespace:
+    """Parse the command line."""
+    parser = argparse.ArgumentParser(description='Benchmark of stated chances.')
+    parser.add_argument('--scale', type=float, default=1.0, help='factor of all numbers of cases')
+    parser.add_argument('--fit', action='store_true',
+                        help='fit the coefficients first, and write them beside the code')
+    parser.add_argument('--records', type=Path, default=Path('out/chances'))
+    parser.add_argument('--out', type=Path, help='directory for chances.md')
+    parser.add_argument('--workers', type=int, help='processes; default: one per core')
+    return parser.parse_args()
+
+
+def measure(chosen: argparse.Namespace) -> Samples:
+    """Run all cases, or resume them; list the samples of each group."""
+    samples: Samples = {}
+    for group, count in COUNTS.items():
+        scaled = max(1, round(chosen.scale * count))
+        if group in (STEERED, SPATIAL_STEERED):
+            jobs = push_jobs(scaled, is_spatial=group == SPATIAL_STEERED)
+            samples[group] = push_samples(group, _run(chosen, run_push, group, jobs))
+        else:
+            jobs = task_jobs(group, scaled)
+            samples[group] = task_samples(group, _run(chosen, run_task, group, jobs))
+    return samples
+
+
+def _run(chosen: argparse.Namespace, function: JobFunction, title: str,
+         jobs: list[Job]) -> list[Pair]:
+    records = run_many(function, jobs, folder=chosen.records, workers=chosen.workers, block=1,
+                       progress=progress_bar(title))
+    errors = [record[ERROR] for record in records if ERROR in record]
+    if errors:
+        raise RuntimeError(f'{title}: got {errors}, expected no errors')
+    return list(zip(jobs, records))
+
+
+def fit(samples: Samples, condition: Condition = lambda _: True) -> dict[str, Any]:
+    """
+    Fit all models.
+
+    :param condition: which samples count.
+    :return: plain values by name, as ``push_planner/outlook.json`` has them.
+    """
+    return {name: fit_model([sample for group in groups for sample in samples[group]
+                             if condition(sample)]) for name, groups in FITTED.items()}
+
+
+def _is_outside(fold: int, sample: Sample) -> bool:
+    return sample.seed % FOLDS != fold
+
+
+def statements(samples: Samples) -> dict[str, list[Statement]]:
+    """List what is stated of every run by models fitted on runs with other seeds."""
+    models = [{name: OutlookModel.from_mapping(values) for name, values in fit(
+        samples, functools.partial(_is_outside, fold)).items()} for fold in range(FOLDS)]
+    return {group: [Statement(sample, sample.outlook(models[sample.seed % FOLDS][sample.model]))
+                    for sample in members] for group, members in samples.items()}
+
+
+def report(samples: Samples) -> str:
+    """Fill the template."""
+    stated = statements(samples)
+    goals = {title: [statement for statement in stated[group] if statement.sample.is_first]
+             for group, title in TITLES.items()}
+    for scale in SCALES:
+        title = f'{TITLES[STEERED]}, {1e3 * scale * PUSH_TOLERANCES.position:g} mm'
+        narrow = {STEERED: [sample.with_tolerances(scale) for sample in samples[STEERED]]}
+        goals[title] = statements({**samples, **narrow})[STEERED]
+    later = {title: [statement for statement in stated[group] if not statement.sample.is_first]
+             for group, title in TITLES.items()}
+    return fill_template(
+        TEXT, GOALS=quantile_table({title: goals[title] for title in TITLES.values()}),
+        CHANCES=chance_table(goals), PLANS=quantile_table(later))
+
+
+def main() -> int:
+    """Measure, fit, print, write."""
+    chosen = options()
+    try:
+        samples = measure(chosen)
+    except KeyboardInterrupt:
+        print('\ninterrupted; the same command resumes', file=sys.stderr)
+        return INTERRUPTED
+    if chosen.fit:
+        COEFFICIENTS.write_text(json.dumps(fit(samples), indent=1) + '\n', encoding='utf-8')
+    written = report(samples)
+    print(written)
+    if chosen.out:
+        chosen.out.mkdir(parents=True, exist_ok=True)
+        (chosen.out / 'chances.md').write_text(written, encoding='utf-8')
+    return 0
