@@ -20,7 +20,7 @@ from push_control.behaviors.obstacle_guard import (
 from push_control.behaviors.push_progress import (
     decide, MIN_SPEED, Miss, PushProgress, Stage, Steer, Stop, UNEXPECTED_DISTANCE, UNMEASURED)
 from push_control.behaviors.rollout_law import RolloutLaw
-from push_control.behaviors.walls_beside import walls_beside
+from push_control.behaviors.walls_beside import wall_errors, walls_beside
 from push_control.perception.contact_consistency import Touch
 from push_control.perception.ensemble.contact_hypotheses import ContactHypotheses
 from push_control.perception.ensemble.ensemble_state import RobotMemory
@@ -144,7 +144,8 @@ class StraightPush(Behavior[TaskPerception]):
         walls = walls_beside(self._map, self._obj, ensemble.object_pose,
                              self._line.length + WALL_RANGE)
         # Of relative poses the place in the map is that of odometry, which drifts.
-        ensemble.set_walls(() if ensemble.is_relative else walls)
+        ensemble.set_walls(() if ensemble.is_relative else walls, wall_errors(
+            self._map, self._obj, ensemble.object_pose, ensemble.members.count))
         self._law = RolloutLaw(ensemble.members, primitives.cost_to_go, self._line.face, goal,
                                max(self._speed, 0.05), walls)
         self._control = context.control

@@ -3,8 +3,9 @@
 import dataclasses
 import math
 
+import numpy as np
 from push_dynamics.walls import Wall
-from push_model.geometry import Pose
+from push_model.geometry import FloatArray, Pose
 from push_model.parameters import PushedObject
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.wall_segments import map_walls
@@ -16,6 +17,9 @@ MAX_OVERLAP = 0.05
 # chosen: two walls of a corner take two, and less than the error of a map.
 STEPS = 4
 DIFFERENCE = 0.002
+# Standard deviation of walls about where the map has them, in cells; derived: they are anywhere
+# within theirs.
+WALL_STD = math.sqrt(1.0 / 12.0)
 
 
 def walls_beside(occupancy_map: OccupancyMap | None, obj: PushedObject, object_pose: Pose,
@@ -39,6 +43,35 @@ def walls_beside(occupancy_map: OccupancyMap | None, obj: PushedObject, object_p
     return tuple(dataclasses.replace(
         wall, start_x=wall.start_x + x, start_y=wall.start_y + y, end_x=wall.end_x + x,
         end_y=wall.end_y + y) for wall in walls)
+
+
+def wall_errors(occupancy_map: OccupancyMap | None, obj: PushedObject, object_pose: Pose,
+                count: int) -> FloatArray:
+    """
+    Draw by how much the walls beside a push may be elsewhere.
+
+    No sample has the object in a wall; it has that wall to the other side instead. Samples are the
+    same for every push, as the map is.
+
+    :param occupancy_map: the ``OccupancyMap``, or None for open floor.
+    :param object_pose: ``Pose`` of the object before the push.
+    :param count: of the samples.
+    :return: errors (x, y), shape (count, 2) [m].
+    """
+    errors = np.zeros((count, 2))
+    if occupancy_map is None:
+        return errors
+    std = WALL_STD * occupancy_map.resolution
+    samples = np.random.default_rng(0).normal(0.0, std, (count, 2))
+    beside = np.array(object_pose[:2]) - _shift(occupancy_map, obj, object_pose)
+    is_open = np.ones(count, dtype=bool)
+    for signs in ((1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)):
+        tried = samples * signs
+        poses = np.column_stack((beside - tried, np.full(count, object_pose.theta)))
+        is_free = is_open & (occupancy_map.object_clearances(obj, poses) >= 0.0)
+        errors[is_free] = tried[is_free]
+        is_open &= ~is_free
+    return errors
 
 
 def _shift(occupancy_map: OccupancyMap, obj: PushedObject,

@@ -118,15 +118,16 @@ class ContactHypotheses(EnsembleReading):
         """
         return self._ensemble.contradicts(pose, covariance)
 
-    def set_walls(self, walls: Sequence[Wall]) -> None:
+    def set_walls(self, walls: Sequence[Wall], errors: FloatArray | None = None) -> None:
         """
         Let walls stop object and robot in all hypotheses from now on.
 
         :param walls: none for open floor.
+        :param errors: as of ``Members.set_walls``.
         """
         for alternative in self._alternatives:
-            alternative.ensemble.members.set_walls(walls)
-        self._ensemble.members.set_walls(walls)
+            alternative.ensemble.members.set_walls(walls, errors)
+        self._ensemble.members.set_walls(walls, errors)
 
     @property
     def time_since_contact(self) -> float:

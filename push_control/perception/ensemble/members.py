@@ -42,6 +42,8 @@ SCALE, YAW_SCALE, DRIFT = 0, 1, 2
 ODOMETRY_ERRORS = 3
 ROBOT = [layout.ROBOT_X, layout.ROBOT_Y, layout.ROBOT_THETA]
 OBJECT = [layout.X, layout.Y, layout.THETA]
+# Columns of a state that are positions in the world: of the mass centre, and of the robot.
+POSITIONS = [layout.X, layout.Y, layout.ROBOT_X, layout.ROBOT_Y]
 # Columns of poses of robots and objects, and the first one of the objects.
 ROBOT_AND_OBJECT = 6
 OBJECT_COLUMNS = 3
@@ -102,6 +104,8 @@ class Members:
             command=np.zeros(3),
             walls=np.zeros((0, layout.WALL_SIZE)),
             touches=np.zeros((0, layout.TOUCH_SIZE)))
+        # By how much the walls of each member are elsewhere (x, y, x, y) [m]; None for not at all.
+        self._wall_errors: FloatArray | None = None
         # Memory of the rollouts.
         self.rollout_states: FloatArray = np.zeros((2, layout.STATE_SIZE))
         # Many ask for the poses between two changes of them.
@@ -212,12 +216,15 @@ class Members:
         self.apply_parameters()
         self._forget_poses()
 
-    def set_walls(self, walls: Sequence[Wall]) -> None:
+    def set_walls(self, walls: Sequence[Wall], errors: FloatArray | None = None) -> None:
         """
         Let walls stop objects and robots from now on.
 
         :param walls: none for open floor.
+        :param errors: by how much they are elsewhere in each member (x, y), shape (n, 2) [m]; None
+            where they are known.
         """
+        self._wall_errors = None if errors is None or not walls else np.tile(errors, 2)
         self.worlds = self.worlds._replace(
             walls=np.reshape(wall_rows(walls), (-1, layout.WALL_SIZE)),
             touches=np.zeros((MAX_TOUCHES, layout.TOUCH_SIZE)))
@@ -243,7 +250,14 @@ class Members:
         :return: number of members in contact.
         """
         self._forget_poses()
-        return move_members(self.worlds, increments, duration, MAX_STEP)
+        errors = self._wall_errors
+        if errors is None:
+            return move_members(self.worlds, increments, duration, MAX_STEP)
+        # Seen from its walls, a member is elsewhere.
+        self.states[:, POSITIONS] -= errors
+        contacts = move_members(self.worlds, increments, duration, MAX_STEP)
+        self.states[:, POSITIONS] += errors
+        return contacts
 
     def close_gaps(self) -> None:
         """Move robots off overlaps; those that were in contact touch again."""

@@ -1,8 +1,10 @@
 """Walls beside a push: those of the map, which no object stands in."""
 
+import math
+
 from helpers.objects import box
 import numpy as np
-from push_control.behaviors.walls_beside import MAX_OVERLAP, walls_beside
+from push_control.behaviors.walls_beside import MAX_OVERLAP, wall_errors, walls_beside
 from push_dynamics.walls import Wall
 from push_model.geometry import Pose
 from push_navigation.occupancy_map import OccupancyMap
@@ -48,6 +50,19 @@ def test_an_object_far_inside_what_is_occupied_moves_no_wall() -> None:
     """No error of a map explains that."""
     pose = Pose(HALF - 1.5 * MAX_OVERLAP, 1.0, 0.0)
     assert walls_beside(ROOM, box(), pose, 5.0) == map_walls(ROOM, pose, 5.0)
+
+
+@pytest.mark.parametrize('pose', [
+    Pose(1.0, 1.0, 0.3), Pose(HALF, 1.0, 0.0), Pose(HALF - 0.02, HALF - 0.01, 0.0)], ids=str)
+def test_walls_may_be_elsewhere_where_the_object_is_not_in_them(pose: Pose) -> None:
+    """By what cells leave open; beside an object that touches them, away from it alone."""
+    errors = wall_errors(ROOM, box(), pose, 200)
+    wall_x, wall_y = inner(walls_beside(ROOM, box(), pose, 5.0))
+    for error, wall, at in zip(errors.T, (wall_x, wall_y), pose[:2]):
+        assert error.max() < at - HALF - wall + 0.004 or at == 1.0
+        std = math.sqrt(float((error ** 2).mean()))
+        assert std == pytest.approx(ROOM.resolution / math.sqrt(12.0), rel=0.15)
+    assert np.array_equal(errors, wall_errors(ROOM, box(), pose, 200))
 
 
 def test_there_are_none_on_open_floor() -> None:

@@ -1,5 +1,6 @@
 """Members of an ensemble: poses, motion, and parameters of their own."""
 
+import dataclasses
 import math
 
 from helpers.objects import bin_, box
@@ -38,6 +39,21 @@ def push_ahead(members, distance=0.2, steps=20, duration=0.05):
     """Drive all robots straight ahead."""
     for _ in range(steps):
         members.move(np.tile((distance / steps, 0.0, 0.0), (members.count, 1)), duration)
+
+
+def test_each_member_may_have_its_walls_elsewhere() -> None:
+    """It moves as if all had them there."""
+    wall, errors = Wall(0.25, -1.0, 0.25, 1.0), np.array([[0.02, 0.3], [-0.01, 0.0], [0.0, 0.0]])
+    each = members_at(OBJECTS['box'], Pose(-0.40, 0.05, 0.1), Pose(0.0, 0.0, 0.1), 3)
+    each.set_walls([wall], errors)
+    push_ahead(each)
+    for error, pose in zip(errors.tolist(), each.poses):
+        alike = members_at(OBJECTS['box'], Pose(-0.40, 0.05, 0.1), Pose(0.0, 0.0, 0.1), 1)
+        alike.set_walls([dataclasses.replace(wall, start_x=wall.start_x + error[0],
+                                             end_x=wall.end_x + error[0])])
+        push_ahead(alike)
+        np.testing.assert_allclose(pose, alike.poses[0], atol=1e-6)
+    assert each.object_poses[:, 0].max() > each.object_poses[:, 0].min() + 0.01
 
 
 def test_a_wall_stops_objects_where_the_plant_does() -> None:
