@@ -17,11 +17,13 @@ from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import STOP, Twist
 from push_model.wheels import twist_of_wheels
 from push_mujoco.lidar import EngineLidar
+from push_mujoco.pixel_sensor import Eye, PixelSensor
 from push_mujoco.scene import Room
 from push_mujoco.simulated_robot import DEFAULT_ROBOTS, read_simulated_robot, SimulatedRobot
 from push_mujoco.wheeled_robot import ENGINE, Looks, WheeledPlant
 from push_sim_node.lidar import Lidar, LidarSensorSettings
 from push_sim_node.plant import IMMEDIATE_DRIVE, Plant
+from push_sim_node.sensors import PoseSensor, SensorSettings
 
 # Single calls are not worth compiling them.
 track_command = interpreted(actuation.track_command)
@@ -80,6 +82,7 @@ class EnginePlant(Plant):
     :param smoothing: as of ``Plant``.
     :param simulated_robot: ``SimulatedRobot``; None for the one of the drive.
     :param looks: ``Looks`` for cameras.
+    :param eye: ``Eye`` by which the object is seen; None for the errors of ``SensorSettings``.
     :param options: of ``Plant``.
     :raises ValueError: where the robot is no round one of that drive, or the floor has patches.
     """
@@ -87,7 +90,7 @@ class EnginePlant(Plant):
     def __init__(self, obj: PushedObject, robot: RoundRobot, object_pose: Pose, robot_pose: Pose,
                  step: float = 2e-3, smoothing: float = 1e-5, *,
                  simulated_robot: SimulatedRobot | None = None, looks: Looks = Looks(),
-                 **options: Any) -> None:
+                 eye: Eye | None = None, **options: Any) -> None:
         if options.get('floor'):
             raise ValueError('SimulationSettings.floor_patches: got some, expected none in MuJoCo')
         if 'imperfections' in options:
@@ -101,6 +104,7 @@ class EnginePlant(Plant):
         self.engine = WheeledPlant(base, room, obj, object_pose, self.robot_pose, looks)
         self._drive = drive_values(robot) if self._imperfect_drive is None else IMMEDIATE_DRIVE
         self._asked = STOP
+        self._eye = eye
         self._odometry = WheelOdometry(base, self.robot_pose)
         self._asked_pose = self.robot_pose
         self._foot_pairs = [self.engine.pair_index('floor', f'foot{i}')
@@ -129,6 +133,13 @@ class EnginePlant(Plant):
                    noise: np.random.Generator) -> Lidar:
         """Make the lidar of the robot, whose beams MuJoCo traces; see ``Plant``."""
         return EngineLidar(settings, self.obj, self.engine, walls, noise)
+
+    def make_pose_sensor(self, settings: SensorSettings, noise: np.random.Generator,
+                         losses: np.random.Generator, outliers: np.random.Generator) -> PoseSensor:
+        """Make the sensor of object poses, which takes images where there is an ``Eye``."""
+        if self._eye is None:
+            return super().make_pose_sensor(settings, noise, losses, outliers)
+        return PixelSensor(settings, noise, losses, outliers, eye=self._eye, plant=self.engine)
 
     @property
     def odometry_pose(self) -> Pose:
@@ -167,12 +178,13 @@ def _continued(before: Pose, pose: Pose) -> Pose:
     return Pose(pose.x, pose.y, before.theta + wrap_angle(pose.theta - before.theta))
 
 
-def engine_plant(simulated_robot: SimulatedRobot | None = None,
-                 looks: Looks = Looks()) -> Callable[..., EnginePlant]:
+def engine_plant(simulated_robot: SimulatedRobot | None = None, looks: Looks = Looks(),
+                 eye: Eye | None = None) -> Callable[..., EnginePlant]:
     """
     Return what makes plants in MuJoCo, as ``Simulation`` takes it.
 
     :param simulated_robot: as of ``EnginePlant``.
     :param looks: likewise.
+    :param eye: likewise.
     """
-    return functools.partial(EnginePlant, simulated_robot=simulated_robot, looks=looks)
+    return functools.partial(EnginePlant, simulated_robot=simulated_robot, looks=looks, eye=eye)

@@ -8,6 +8,7 @@ import importlib
 import os
 from types import TracebackType
 from typing import Any, NamedTuple, Sequence
+import weakref
 
 import mujoco
 import numpy as np
@@ -73,6 +74,8 @@ class Renderer:
         self._scene = _mujoco.MjvScene(model, MAX_SHAPES)
         self._scene.flags[_mujoco.mjtRndFlag.mjRND_SHADOW] = False
         self._scene.flags[_mujoco.mjtRndFlag.mjRND_REFLECTION] = False
+        # Where it is not closed, as soon as nobody has it; at the end of the process in time.
+        self._release = weakref.finalize(self, _release, self._gl, self._context)
         self._option = _mujoco.MjvOption()
         self._view = _mujoco.MjvCamera()
 
@@ -87,9 +90,7 @@ class Renderer:
 
     def close(self) -> None:
         """Give back what graphics hold."""
-        self._gl.make_current()
-        self._context.free()
-        self._gl.free()
+        self._release()
 
     def render(self, data: Any, robot_pose: Pose) -> NDArray[np.uint8]:
         """
@@ -149,6 +150,12 @@ def render_camera(scene: TaggedScene, camera: SimulatedCamera, object_pose: Pose
                          looks_of(scene.pictures, scene.height))
     with Renderer(plant.model, camera, noise) as renderer:
         return renderer.render(plant.data, robot_pose)
+
+
+def _release(gl: Any, context: Any) -> None:
+    gl.make_current()
+    context.free()
+    gl.free()
 
 
 def check_graphics() -> None:

@@ -23,6 +23,7 @@ from push_model.signals import STOP, Twist
 from push_sim_node.drive_imperfections import DriveImperfections
 from push_sim_node.imperfect_drive import ImperfectDrive, is_ideal
 from push_sim_node.lidar import Lidar, LidarSensorSettings
+from push_sim_node.sensors import PoseSensor, SensorSettings
 from push_sim_node.tape_row import (
     columns_of, COMMAND, CONTACT, ENERGY, OBJECT, ROBOT, SUPPORTS, WALL_COLUMNS, write_row,
 )
@@ -182,6 +183,11 @@ class Plant:
         :param noise: ``numpy.random.Generator`` of noise and outliers.
         """
         return Lidar(settings, self.obj, walls, noise)
+
+    def make_pose_sensor(self, settings: SensorSettings, noise: np.random.Generator,
+                         losses: np.random.Generator, outliers: np.random.Generator) -> PoseSensor:
+        """Make the sensor of object poses; parameters as of ``PoseSensor``."""
+        return PoseSensor(settings, noise, losses, outliers)
 
     def stand_at(self, object_pose: Pose, robot_pose: Pose) -> None:
         """

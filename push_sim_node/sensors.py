@@ -190,8 +190,7 @@ class PoseSensor:
         :return: ``ObjectPose`` with its orientation in [-pi, pi], or None where it is lost.
         """
         e_x, e_y, e_theta = self._noise.standard_normal(3).tolist()
-        lost = self._losses.random() < self._settings.pose_drop_probability
-        lost = lost or any(start <= time < end for start, end in self._settings.pose_dropouts)
+        lost = self.is_lost(time)
         seen = self._seen(pose, sighting)
         if lost and not certain:
             return None
@@ -201,6 +200,16 @@ class PoseSensor:
                          + camera.heading_noise_per_distance * sighting.distance)
         return ObjectPose(time, Pose(seen.x + position_noise * e_x, seen.y + position_noise * e_y,
                                      wrap_angle(seen.theta + heading_noise * e_theta)))
+
+    def is_lost(self, time: float) -> bool:
+        """
+        Draw whether a measurement is lost.
+
+        :param time: now [s].
+        """
+        settings = self._settings
+        lost = self._losses.random() < settings.pose_drop_probability
+        return lost or any(start <= time < end for start, end in settings.pose_dropouts)
 
     def _seen(self, pose: Pose, sighting: Sighting) -> Pose:
         """Return the pose with its errors but for the noise; its orientation is not wrapped."""

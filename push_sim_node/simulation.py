@@ -18,7 +18,7 @@ from push_sim_node.camera import Camera, mirrored_tilt, relative_pose
 from push_sim_node.disturbance import change_times, friction_factors, ObjectDisplacement
 from push_sim_node.lidar import BodyPoses, Lidar
 from push_sim_node.plant import Plant
-from push_sim_node.sensors import OdometrySensor, PoseSensor, SensorSettings, Sighting
+from push_sim_node.sensors import OdometrySensor, SensorSettings, Sighting
 from push_sim_node.settings import SimulationSettings
 from push_sim_node.tape import Tape
 from push_sim_node.tape_row import columns_of
@@ -179,7 +179,8 @@ class Simulation:
         pose_noise, losses, biases, twist_noise, odometry_noise, outliers = (
             np.random.default_rng(seed)
             for seed in np.random.SeedSequence(settings.seed).spawn(6))
-        self._pose_sensor = PoseSensor(self.sensors, pose_noise, losses, outliers)
+        self._pose_sensor = self.plant.make_pose_sensor(self.sensors, pose_noise, losses,
+                                                        outliers)
         self._odometry_sensor = OdometrySensor(self.sensors, self.plant.robot_pose, biases,
                                                twist_noise, odometry_noise)
         self._camera = self._make_camera()

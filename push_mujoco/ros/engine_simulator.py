@@ -46,7 +46,7 @@ class EngineSimulator(Simulator):
         self._mujoco: MujocoSettings = mujoco
         try:
             simulated = read_simulated_robot(mujoco.robot or DEFAULT_ROBOTS[robot.drive])
-            pictures = tag_pictures(mujoco.tags) if mujoco.tags else []
+            pictures = _read_tags(mujoco.tags) if mujoco.tags else ()
         except ValueError as error:
             self.refuse_to_start(f'mujoco: {error}')
         self._set_camera(simulated, simulation)
@@ -97,14 +97,8 @@ class EngineSimulator(Simulator):
             self._renderer.close()
 
 
-def tag_pictures(name: str) -> list[Picture]:
-    """
-    Read the tags on an object, and draw them.
-
-    :param name: as of ``push_tags.tag_layout.read_tag_layout``.
-    :raises ParameterFileError: naming file and key, what came and what was expected.
-    """
+def _read_tags(name: str) -> tuple[Picture, ...]:
+    """Read the tags on an object, and draw them; without tags nothing of that is needed."""
+    from push_mujoco.tags import tag_pictures
     from push_tags.tag_layout import read_tag_layout  # pyright: ignore
-    from push_tags.tag_pattern import CELLS, MARGIN, tag_pattern  # pyright: ignore
-    return [Picture(f'tag{tag.id}', tag.size * (CELLS + 2 * MARGIN) / CELLS, tag.pose,
-                    tag_pattern(tag.id)) for tag in read_tag_layout(name).tags]
+    return tag_pictures(read_tag_layout(name))
