@@ -91,6 +91,8 @@ class TaskPerception(RawPerception):
             measured = self._take_object_pose(measured)
         if observation.place is not None and self.localization.take_place(observation.place):
             self._is_relocated = True
+            # What was known before a push is of where the robot was not.
+            self._tap = None
             self._observe(RobotLocalized())
         if has_odometry or has_pose:
             odometry = self.localization.corrected(odometry)

@@ -4,6 +4,7 @@ import math
 
 from helpers.objects import box
 import numpy as np
+from push_control.perception.object_at_rest import Tap
 from push_control.perception.perception import TaskPerception
 from push_control.perception.place_tracker import MAX_LENGTH, MAX_TURN, PlaceTracker
 from push_control.settings import ControlSettings
@@ -121,6 +122,19 @@ def test_a_place_found_again_puts_the_robot_there_and_is_news_once():
     tour.drive(5, Pose(0.6, 0.3, 0.0), PlaceStatus.REGAINED)
     assert tour.error == pytest.approx(math.hypot(0.6, 0.3), abs=0.03)
     assert tour.perception.pop_relocation() and not tour.perception.pop_relocation()
+
+
+def test_a_robot_that_was_found_again_is_not_put_back_by_a_push_before_that() -> None:
+    """That it has met nothing is no news then."""
+    tour = Tour()
+    tour.drive(100)
+    perception = tour.perception
+    perception.on_tapped(Tap(perception.object_at_rest, 0.2, (0.2, 0.0), (0.0, 0.0), 0.01,
+                             perception.localization.remember_robot()))
+    tour.drive(5, Pose(0.6, 0.3, 0.0), PlaceStatus.REGAINED)
+    there = perception.robot_pose
+    perception.evaluate_push()
+    assert perception.robot_pose == there
 
 
 def test_a_robot_that_is_lost_stands_and_keeps_its_estimate():
