@@ -59,6 +59,8 @@ setup(
         'record': ['rosbags'],
         'table': ['pandas'],
         'trees': ['py_trees'],
+        # Detector of tags as OpenCV has it from 4.7 on.
+        'vision': ['opencv-python-headless>=4.7'],
         'test': ['catkin-pkg', 'colcon-core', 'colcon-ros', 'hypothesis', 'mcap', 'pytest',
                  'pytest-xdist', 'selenium'],
     },

@@ -4,7 +4,7 @@ from importlib import util
 
 # Extra of the package that brings a module.
 EXTRAS = {'aiohttp': 'play', 'argcomplete': 'completion', 'casadi': 'steered',
-          'distributed': 'cluster', 'gymnasium': 'gym', 'matplotlib': 'plot',
+          'cv2': 'vision', 'distributed': 'cluster', 'gymnasium': 'gym', 'matplotlib': 'plot',
           'mujoco': 'mujoco', 'pandas': 'table', 'PIL': 'plot', 'py_trees': 'trees',
           'rosbags': 'record', 'segno': 'play', 'tqdm': 'plot'}
 

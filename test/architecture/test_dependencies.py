@@ -21,9 +21,11 @@ EXTRA_KEYS = {'casadi-pip', 'python3-aiohttp', 'python3-matplotlib', 'python3-pi
               'python3-rosbags-pip', 'python3-tqdm', 'python3-mujoco-pip', 'python3-pytest',
               'py_trees', 'rviz2'}
 # Modules that the extras bring, some of them through others.
-EXTRA_MODULES = ['aiohttp', 'casadi', 'dask', 'distributed', 'gymnasium', 'hypothesis',
+EXTRA_MODULES = ['aiohttp', 'casadi', 'cv2', 'dask', 'distributed', 'gymnasium', 'hypothesis',
                  'matplotlib', 'mcap', 'mujoco', 'pandas', 'PIL', 'py_trees', 'rosbags',
                  'selenium', 'tqdm']
+# Names of modules and of what brings them, where they differ.
+PROJECTS = {'cv2': 'opencv-python-headless', 'PIL': 'pillow'}
 IMPORT_WITHOUT = """
 import importlib, sys
 modules, absent = (text.split(',') for text in sys.argv[1:])
@@ -84,7 +86,7 @@ def test_who_lacks_a_module_is_told_its_extra():
     extras = setup_argument('extras_require')
     for module, extra in EXTRAS.items():
         brought = {distribution(item) for item in extras[extra]}
-        assert distribution({'PIL': 'pillow'}.get(module, module)) in brought
+        assert distribution(PROJECTS.get(module, module)) in brought
     assert how_to_install('aiohttp.web') == "no module aiohttp: pip install 'push_control[play]'"
     assert how_to_install('push_model') == how_to_install(None) == ''
 

@@ -32,6 +32,7 @@ MAY_IMPORT = {
     # Moves of several objects, each made by the controller of one.
     'push_tidy': PREDICTION | {'push_planner', 'push_control'},
     'push_tracker': {'push_model'},
+    'push_tags': {'push_model'},
     'push_scenario': set(PLAIN) - {'push_scenario'},
     'push_view': set(PLAIN),
     'studies': set(PLAIN),

@@ -1,0 +1,1 @@
+"""Tags: object poses from images of AprilTags."""
