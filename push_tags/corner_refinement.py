@@ -110,7 +110,8 @@ def _intersection(one: _Edge, other: _Edge) -> FloatArray:
     normals = np.stack((one.normal, other.normal))
     if abs(float(np.linalg.det(normals))) < 1e-9:
         return np.full(2, np.nan)
-    return np.linalg.solve(normals, (one.normal @ one.point, other.normal @ other.point))
+    sides = one.normal @ one.point, other.normal @ other.point
+    return np.asarray(np.linalg.solve(normals, sides), dtype=np.float64)
 
 
 def _interpolate(image: GreyImage, pixels: FloatArray) -> FloatArray:
@@ -123,4 +124,4 @@ def _interpolate(image: GreyImage, pixels: FloatArray) -> FloatArray:
     upper = (1.0 - right_weight) * image[top, left] + right_weight * image[top, left + 1]
     lower = ((1.0 - right_weight) * image[top + 1, left]
              + right_weight * image[top + 1, left + 1])
-    return (1.0 - bottom_weight) * upper + bottom_weight * lower
+    return np.asarray((1.0 - bottom_weight) * upper + bottom_weight * lower, dtype=np.float64)

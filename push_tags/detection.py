@@ -54,7 +54,7 @@ class TagDetector:
                              f'expected uint8 and {size}, as camera_info has it')
         outlines, ids, _ = self._detector.detectMarkers(image)
         # None where there is no tag.
-        numbers: list[int] = [] if len(outlines) == 0 else np.ravel(ids).tolist()
+        numbers = [int(number) for number in np.ravel(ids)] if len(outlines) > 0 else []
         detections: list[TagDetection] = []
         for number, outline in zip(numbers, outlines):
             corners = np.reshape(np.asarray(outline, dtype=np.float64), (4, 2))

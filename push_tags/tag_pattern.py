@@ -26,5 +26,5 @@ def tag_pattern(tag_id: int) -> npt.NDArray[np.uint8]:
     """
     import cv2
     family = cv2.aruco.getPredefinedDictionary(cv2.aruco.DICT_APRILTAG_36H11)
-    square = np.rot90(cv2.aruco.generateImageMarker(family, tag_id, CELLS), 2)
-    return np.pad(square, MARGIN, constant_values=WHITE)
+    square = np.asarray(cv2.aruco.generateImageMarker(family, tag_id, CELLS), dtype=np.uint8)
+    return np.pad(np.rot90(square, 2), MARGIN, constant_values=WHITE)

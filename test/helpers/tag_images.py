@@ -6,7 +6,7 @@ from push_model.rigid_transform import RigidTransform
 from push_tags.tag_pattern import CELLS, MARGIN, tag_pattern
 
 # Rays along an edge of a pixel; grey of floor and object.
-SAMPLES = 4
+SAMPLES = 3
 GREY = 128.0
 
 

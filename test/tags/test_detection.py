@@ -42,7 +42,7 @@ def corners_in_image(camera, in_camera, number):
 
 
 def test_tags_have_the_code_words_of_the_library_upright() -> None:
-    """OpenCV draws them upside down, and everybody prints those of the library."""
+    """As OpenCV draws them they are upside down, and everybody prints those of the library."""
     for number, word in enumerate(CODE_WORDS):
         assert code_word(tag_pattern(number)) == word
 
@@ -56,7 +56,7 @@ def test_corners_are_detected_to_a_tenth_of_a_pixel(camera) -> None:
         pose = Pose(0.85, 0.1, 0.4 + 0.5 * math.pi * quarter)
         in_camera = object_in_camera(pose, MOUNTING.optical_pose)
         detections = detector.detect(draw_tags(LAYOUT, camera, in_camera, noise=2.0))
-        assert len(detections) >= 2
+        assert detections
         errors += [tag.corners - corners_in_image(camera, in_camera, tag.id)
                    for tag in detections]
     assert np.sqrt(np.mean(np.square(errors))) < 0.1

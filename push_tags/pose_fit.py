@@ -1,0 +1,155 @@
+"""
+Pose of an object from the corners of its tags: least squares of reprojection.
+
+With the corners m_i on the object, their pixels z_i, and the pose (t, R) of the object in the
+frame of the floor,
+
+    min  sum_i |z_i - project(R m_i + t)|^2 / sigma^2 + t_z^2 / h^2 + (n_x^2 + n_y^2) / tau^2
+
+where n is the z axis of the object. The last terms say that it stands on the floor: h and tau are
+the standard deviations of its height and of its tilt against the floor, which hold the errors of
+the mounting of the camera, too. Steps are those of Levenberg and Marquardt, along (t, omega) with
+dR = omega x R. At the minimum the covariance is (J' J)^-1, of which x, y and yaw are taken.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from push_model.geometry import FloatArray, Pose
+from push_model.rigid_transform import RigidTransform
+from push_tags.camera import CameraIntrinsics
+from push_tags.settings import DetectorSettings
+
+# Iterations; chosen: twice as many as any image of the tests takes.
+MAX_ITERATIONS = 30
+# Decrease of the cost, of its size, below which it is a minimum; chosen.
+TOLERANCE = 1e-9
+# Damping at the start, and by how much it changes; chosen as usual.
+DAMPING, DAMPING_FACTOR = 1e-3, 5.0
+MAX_DAMPING = 1e6
+# Least depth of a corner [m]; chosen: nearer than any lens sees sharp.
+MIN_DEPTH = 0.01
+# x, y and yaw among the steps.
+PLANAR = (0, 1, 5)
+
+
+class CornerPixels(NamedTuple):
+    """
+    Corners of tags, and where they are seen.
+
+    :param points: in the frame of the object, shape (n, 3) [m].
+    :param pixels: columns and rows, shape (n, 2) [pixel].
+    """
+
+    points: FloatArray
+    pixels: FloatArray
+
+
+class View(NamedTuple):
+    """
+    A camera and where it is.
+
+    :param camera: ``CameraIntrinsics``.
+    :param optical_pose: of the optical frame, in the frame of object poses.
+    """
+
+    camera: CameraIntrinsics
+    optical_pose: RigidTransform
+
+
+class PoseFit(NamedTuple):
+    """
+    A minimum.
+
+    :param pose: ``Pose`` of the object on the floor.
+    :param covariance: of (x, y, theta), shape (3, 3).
+    :param cost: sum of squares, each in units of its deviation.
+    """
+
+    pose: Pose
+    covariance: FloatArray
+    cost: float
+
+
+class _Linearization(NamedTuple):
+    """Residuals in units of their deviations, and their derivatives with respect to a step."""
+
+    residual: FloatArray
+    jacobian: FloatArray
+
+    @property
+    def cost(self) -> float:
+        return float(self.residual @ self.residual)
+
+
+def fit_pose(start: Pose, corners: CornerPixels, view: View,
+             settings: DetectorSettings) -> PoseFit | None:
+    """
+    Fit the pose of an object to the corners of its tags.
+
+    :param start: ``Pose`` near which to look.
+    :param corners: ``CornerPixels``.
+    :param view: ``View``.
+    :param settings: with the deviations of the formula.
+    :return: ``PoseFit``; None where a corner comes to lie behind the lens.
+    """
+    pose = RigidTransform.from_angles((start.x, start.y, 0.0), (0.0, 0.0, start.theta))
+    current = _linearize(pose, corners, view, settings)
+    if current is None:
+        return None
+    damping = DAMPING
+    for _ in range(MAX_ITERATIONS):
+        hessian = current.jacobian.T @ current.jacobian
+        step = np.linalg.solve(hessian + damping * np.diag(np.diag(hessian)),
+                               -current.jacobian.T @ current.residual)
+        next_pose = _moved(pose, np.asarray(step, dtype=np.float64))
+        following = _linearize(next_pose, corners, view, settings)
+        if following is None or following.cost > current.cost:
+            damping *= DAMPING_FACTOR
+            if damping > MAX_DAMPING:
+                break
+            continue
+        decrease = current.cost - following.cost
+        pose, current, damping = next_pose, following, damping / DAMPING_FACTOR
+        if decrease <= TOLERANCE * (1.0 + current.cost):
+            break
+    covariance = np.asarray(np.linalg.inv(current.jacobian.T @ current.jacobian),
+                            dtype=np.float64)
+    return PoseFit(pose.planar, covariance[np.ix_(PLANAR, PLANAR)], current.cost)
+
+
+def _linearize(pose: RigidTransform, corners: CornerPixels, view: View,
+               settings: DetectorSettings) -> _Linearization | None:
+    rotation = pose.rotation_matrix
+    arms = corners.points @ rotation.T
+    to_camera = view.optical_pose.inverse()
+    camera_axes = to_camera.rotation_matrix
+    in_camera = (arms + pose[:3]) @ camera_axes.T + to_camera[:3]
+    # False for what is not a number.
+    if not (in_camera[:, 2] > MIN_DEPTH).all():
+        return None
+    residual = (view.camera.project(in_camera) - corners.pixels) / settings.corner_noise
+    gradient = view.camera.projection_gradient(in_camera) @ camera_axes / settings.corner_noise
+    # omega x arm, as a matrix that omega is multiplied with.
+    turns = -np.cross(arms[:, None], np.eye(3))
+    jacobian = np.concatenate((gradient, gradient @ np.swapaxes(turns, 1, 2)), axis=2)
+    n_x, n_y, n_z = rotation[:, 2].tolist()
+    height, tilt = settings.height_deviation, settings.tilt_deviation
+    priors = np.array([(0.0, 0.0, 1.0 / height, 0.0, 0.0, 0.0),
+                       (0.0, 0.0, 0.0, 0.0, n_z / tilt, -n_y / tilt),
+                       (0.0, 0.0, 0.0, -n_z / tilt, 0.0, n_x / tilt)])
+    return _Linearization(
+        np.concatenate((residual.ravel(), (pose.z / height, n_x / tilt, n_y / tilt))),
+        np.concatenate((jacobian.reshape(-1, 6), priors)))
+
+
+def _moved(pose: RigidTransform, step: FloatArray) -> RigidTransform:
+    """Move a pose by a translation and a rotation vector in the axes of the floor."""
+    omega = step[3:]
+    angle = float(np.linalg.norm(omega))
+    scale = np.sin(0.5 * angle) / angle if angle > 1e-12 else 0.5
+    turn = RigidTransform.from_parts((0.0, 0.0, 0.0),
+                                     [*(scale * omega).tolist(), float(np.cos(0.5 * angle))])
+    rotated = turn @ pose._replace(x=0.0, y=0.0, z=0.0)
+    x, y, z = (np.array(pose[:3]) + step[:3]).tolist()
+    return rotated._replace(x=x, y=y, z=z)

@@ -1,0 +1,110 @@
+"""Laws of object poses from tags: exact without noise, calibrated with it, never mirrored."""
+
+import math
+
+from helpers.extras import import_extra
+from helpers.tag_images import object_in_camera
+import numpy as np
+from push_model.geometry import Pose, wrap_angle
+from push_model.rigid_transform import RigidTransform
+from push_tags.camera import CameraIntrinsics, CameraMounting
+from push_tags.detection import TagDetection
+from push_tags.pose_fit import View
+from push_tags.settings import DetectorSettings
+from push_tags.tag_layout import ObjectTag, read_tag_layout, TagLayout
+from push_tags.tagged_object import PoseFailure, TaggedObject
+import pytest
+
+import_extra('cv2', 'vision')
+LAYOUT = read_tag_layout('box_04')
+CAMERA = CameraIntrinsics(640, 480, 460.0, 462.0, 319.0, 241.0, k_1=-0.2, k_2=0.05, p_1=0.001)
+VIEW = View(CAMERA, CameraMounting(x=0.1, z=0.25, pitch=0.1).optical_pose)
+SETTINGS = DetectorSettings()
+# Two sides and the top are seen of it.
+POSE = Pose(1.1, 0.1, 0.7)
+# 95 % of the squares of three coordinates are below it, in units of their covariance.
+CHI_SQUARE_95 = 7.815
+
+
+def see(pose, view=VIEW, layout=LAYOUT, noise=0.0, rng=None):
+    """Project the corners of all tags that face the camera."""
+    in_camera = object_in_camera(pose, view.optical_pose)
+    detections = []
+    for tag in layout.tags:
+        in_image = in_camera @ tag.pose
+        if np.dot(in_image.rotate((0.0, 0.0, 1.0)), in_image[:3]) < -0.05:
+            corners = np.array([in_camera.rotate(point) for point in tag.corners])
+            pixels = view.camera.project(corners + in_camera[:3])
+            if noise:
+                pixels = pixels + rng.normal(0.0, noise, pixels.shape)
+            detections.append(TagDetection(tag.id, pixels))
+    return detections
+
+
+def locate(detections, view=VIEW, layout=LAYOUT):
+    """Estimate a pose at once."""
+    return TaggedObject(layout, SETTINGS).locate(0.0, detections, view)
+
+
+@pytest.mark.parametrize('pose', [POSE, Pose(0.8, -0.2, -2.0), Pose(2.5, 0.4, 3.1)])
+def test_without_noise_the_pose_is_the_true_one(pose) -> None:
+    estimate = locate(see(pose))
+    assert estimate.failure is None
+    assert estimate.object_pose.pose == pytest.approx(pose, abs=1e-6)
+
+
+@pytest.mark.parametrize('layout', [LAYOUT, TagLayout((ObjectTag(2, 0.16, x=-0.2, z=0.15, roll=(
+    math.pi / 2), yaw=-math.pi / 2),))])
+def test_the_stated_covariance_is_that_of_the_errors(layout) -> None:
+    """Of several tags and of one: 90 to 99 of 100 poses are within the ellipsoid of 95 %."""
+    rng = np.random.default_rng(7)
+    inside = 0
+    for _ in range(100):
+        estimate = locate(see(POSE, layout=layout, noise=SETTINGS.corner_noise, rng=rng),
+                          layout=layout).object_pose
+        error = np.subtract(estimate.pose, POSE)
+        inside += error @ np.linalg.solve(estimate.covariance.matrix, error) < CHI_SQUARE_95
+    assert 90 <= inside <= 99
+
+
+def test_a_rotation_of_the_world_rotates_pose_and_covariance() -> None:
+    turn = Pose(0.0, 0.0, 2.0)
+    turned = View(CAMERA, RigidTransform.from_angles((0.0, 0.0, 0.0), (0.0, 0.0, turn.theta))
+                  @ VIEW.optical_pose)
+    detections = see(POSE, noise=0.1, rng=np.random.default_rng(3))
+    before, after = (locate(detections, view).object_pose for view in (VIEW, turned))
+    expected = turn @ before.pose
+    assert after.pose[:2] == pytest.approx(expected[:2], abs=1e-7)
+    assert wrap_angle(after.pose.theta - expected.theta) == pytest.approx(0.0, abs=1e-7)
+    rotation = np.eye(3)
+    rotation[:2, :2] = [(math.cos(2.0), -math.sin(2.0)), (math.sin(2.0), math.cos(2.0))]
+    assert after.covariance.matrix == pytest.approx(
+        rotation @ before.covariance.matrix @ rotation.T, rel=1e-4, abs=1e-12)
+
+
+def test_a_tag_that_contradicts_others_is_left_out() -> None:
+    view = View(CAMERA, CameraMounting(z=0.8, pitch=0.6).optical_pose)
+    detections = see(POSE, view)
+    assert len(detections) == 3
+    detections[0] = detections[0]._replace(corners=detections[0].corners + (8.0, 0.0))
+    estimate = locate(detections, view)
+    assert estimate.outliers == (detections[0].id,)
+    assert estimate.object_pose.pose == pytest.approx(POSE, abs=1e-6)
+    assert locate(detections[:2], view).failure is PoseFailure.INCONSISTENT
+    assert locate([]).failure is PoseFailure.NO_TAG
+    assert locate([TagDetection(77, detections[0].corners)]).failure is PoseFailure.NO_TAG
+
+
+def test_a_small_tag_that_may_be_mirrored_is_refused_until_motion_tells() -> None:
+    """Level with the lens and far away, the floor does not tell its two solutions apart."""
+    layout = TagLayout((ObjectTag(2, 0.05, x=-0.2, z=0.25, roll=math.pi / 2, yaw=-math.pi / 2),))
+    view = View(CAMERA, CameraMounting(z=0.25).optical_pose)
+    far, near = Pose(2.5, 0.0, 0.7), Pose(0.8, 0.0, 0.7)
+    tagged = TaggedObject(layout, DetectorSettings(max_yaw_rate=0.2))
+    detections = see(far, view, layout)
+    assert tagged.locate(0.0, detections, view).failure is PoseFailure.AMBIGUOUS
+    assert tagged.locate(1.0, see(near, view, layout), view).failure is None
+    located = tagged.locate(2.0, detections, view)
+    assert located.object_pose.pose == pytest.approx(far, abs=1e-4)
+    tagged.reset()
+    assert tagged.locate(2.1, detections, view).failure is PoseFailure.AMBIGUOUS
