@@ -24,8 +24,8 @@ class DetectedPose(NamedTuple):
     covariance: PoseCovariance
 
 
-# Finds the object in grey values, shape (rows, columns); None where it is not seen.
-Detector = Callable[[NDArray[np.uint8]], DetectedPose | None]
+# Finds the object at a time [s] in grey values, shape (rows, columns); None where it is not seen.
+Detector = Callable[[float, NDArray[np.uint8]], DetectedPose | None]
 
 
 class Eye(NamedTuple):
@@ -78,7 +78,7 @@ class PixelSensor(PoseSensor):
         robot_pose = self._plant.pose
         image = self._renderer.render(self._plant.data, robot_pose)
         grey = image.astype(np.float32).mean(axis=2).round().astype(np.uint8)
-        detected = self._eye.detect(grey)
+        detected = self._eye.detect(time, grey)
         if detected is None:
             return None
         is_fixed = self._eye.camera.place == 'room'

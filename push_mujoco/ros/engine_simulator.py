@@ -100,5 +100,5 @@ class EngineSimulator(Simulator):
 def _read_tags(name: str) -> tuple[Picture, ...]:
     """Read the tags on an object, and draw them; without tags nothing of that is needed."""
     from push_mujoco.tags import tag_pictures
-    from push_tags.tag_layout import read_tag_layout  # pyright: ignore
+    from push_tags.tag_layout import read_tag_layout
     return tag_pictures(read_tag_layout(name))

@@ -25,7 +25,7 @@ def measurements(place: str, settings: SensorSettings) -> list[ObjectPose | None
                                        robot_pose=ROBOT_POSE)
     camera = dataclasses.replace(ROBOT.camera, place=place, width=64, height=48)
 
-    def detect(image):
+    def detect(_, image):
         assert image.shape == (48, 64) and image.std() > 5.0
         base = ROBOT_POSE if place == 'robot' else Pose(0.0, 0.0, 0.0)
         return pixel_sensor.DetectedPose(base.inverse() @ OBJECT_POSE, COVARIANCE)

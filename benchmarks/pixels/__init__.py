@@ -1,0 +1,1 @@
+"""Tasks in MuJoCo whose object is known by images alone."""

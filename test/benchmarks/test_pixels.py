@@ -1,0 +1,39 @@
+"""Tasks from pixels: what is detected in an image is where the object is."""
+
+import math
+
+from helpers.extras import import_extra, skip_without_graphics
+import numpy as np
+from push_model.geometry import distance, Pose, wrap_angle
+import pytest
+
+import_extra('cv2', 'vision')
+cases = import_extra('mujoco', 'mujoco', 'benchmarks.pixels.cases')
+
+
+@pytest.mark.parametrize('view', ['robot', 'room'])
+def test_an_object_is_detected_within_what_the_detector_states(view) -> None:
+    """And in an empty image there is none."""
+    skip_without_graphics()
+    from push_mujoco.rendering import render_camera, TaggedScene
+    camera = cases.camera_of(view)
+    layout = cases.read_tag_layout(cases.OBJECT)
+    detect = cases.tag_eye(camera, layout).detect
+    scene = TaggedScene(cases.read_simulated_robot(cases.ROBOT), cases.read_object(cases.OBJECT),
+                        cases.tag_pictures(layout))
+    rng = np.random.default_rng(3)
+    for heading in (0.4, -2.0):
+        pose = Pose(0.8, 0.05, heading)
+        image = render_camera(scene, camera, pose, Pose(0.0, 0.0, 0.0), noise=rng)
+        detected = detect(0.0, image.mean(axis=2).astype(np.uint8))
+        assert distance(detected.pose, pose) < min(
+            0.01, 5.0 * math.sqrt(2.0) * detected.covariance.position_deviation)
+        assert abs(wrap_angle(detected.pose.theta - heading)) < math.radians(2.0)
+    assert detect(0.0, np.full((camera.height, camera.width), 128, dtype=np.uint8)) is None
+
+
+def test_drawn_tasks_differ_by_their_seed_alone() -> None:
+    first, again, other = (cases.draw_scenario('room', seed) for seed in (1, 1, 2))
+    assert first == again
+    assert first.goal != other.goal
+    assert first.sensors.camera.place == 'room'
