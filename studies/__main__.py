@@ -11,6 +11,7 @@ from typing import Any, Sequence
 
 from push_scenario.interrupts import Interrupts
 from studies import catalogue, gallery, schedule
+from studies.experiment.recorded import read_experiment, save_picture, summary, Topics
 from studies.framework.parameters import (
     check_known, ChosenValues, Overrides, read_chosen_values, read_overrides,
 )
@@ -80,6 +81,15 @@ def make_parser() -> argparse.ArgumentParser:
                       help='where the picture goes (default: out/studies)')
     data.add_argument('--page', type=Path, metavar='FILE',
                       help='Markdown page in which to insert the tables')
+    experiment = actions.add_parser('experiment', help='draw recorded straight pushes on a side')
+    experiment.set_defaults(action=_draw_experiment)
+    experiment.add_argument('bag', nargs='+', metavar='NAME=BAG',
+                            help='recordings of a box, see docs/experiment.md')
+    experiment.add_argument('--odom', default='odom', metavar='TOPIC', help='poses of the robot')
+    experiment.add_argument('--object-pose', default='object_pose', metavar='TOPIC',
+                            help='poses of the object')
+    experiment.add_argument('--out', type=Path, default=Path('out') / 'studies', metavar='DIR',
+                            help='where the picture goes (default: out/studies)')
     for subparser in (run, commands.register(actions, _run_map)):
         _add_common_options(subparser)
     return parser
@@ -138,6 +148,12 @@ def _predict_recordings(options: argparse.Namespace) -> None:
     if options.page is not None:
         shown = options.page.read_text(encoding='utf-8')
         options.page.write_text(gallery.insert(shown, text), encoding='utf-8')
+
+
+def _draw_experiment(options: argparse.Namespace) -> None:
+    trials = read_experiment(options.bag, Topics(options.odom, options.object_pose))
+    print(summary(trials))
+    print(f'written: {save_picture(trials, options.out)}')
 
 
 def _run_map(study: Study, chosen: ChosenValues, overrides: Overrides,

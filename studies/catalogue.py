@@ -20,6 +20,7 @@ from studies.chapter3 import (
 )
 from studies.chapter3.errors import studies as goal_errors, support_points
 from studies.chapter4 import disturbances, goals, other_objects, random_friction
+from studies.experiment import side_push
 from studies.framework.study import Study
 from studies.primitives import (
     contact_friction, expected_time, place_and_tilt, reachable_poses, selected_push, steered_push,
@@ -38,6 +39,8 @@ MODULES = (
     speed_mismatch, solver_effort, support_points, goal_errors,
     # Chapter 4
     goals, random_friction, disturbances, other_objects,
+    # Case study 3 as an experiment
+    side_push,
     # Single straight pushes
     place_and_tilt, reachable_poses, expected_time, selected_push, steered_push,
     contact_friction, unknown_loads,

@@ -33,7 +33,7 @@ SPATIAL_STEERED = 'steered pushes, MuJoCo'
 TITLES = {OPEN: 'tasks on open floor', STRICT: 'narrow tolerances', SLIPPERY: 'slippery contacts',
           SPATIAL: 'MuJoCo', IN_MAPS: 'maps', STEERED: STEERED,
           SPATIAL_STEERED: SPATIAL_STEERED}
-COUNTS = {OPEN: 42, STRICT: 8, SLIPPERY: 8, SPATIAL: 15, IN_MAPS: 12, STEERED: 80,
+COUNTS = {OPEN: 63, STRICT: 12, SLIPPERY: 8, SPATIAL: 22, IN_MAPS: 18, STEERED: 105,
           SPATIAL_STEERED: 24}
 # What the coefficients are fitted on: models and their groups.
 FITTED = {OPEN_FLOOR: (OPEN, STRICT), MAP: (IN_MAPS,), STEERED_PUSH: (STEERED,)}

@@ -28,7 +28,7 @@ def values_of(study: Study, **overrides: Any) -> Values:
 _OUTCOMES: dict[tuple[str, str], Outcome] = {}
 # Studies that repeat pushes take a minute. How often tests repeat them: twice, so that repetitions
 # can be seen to differ, but for the one whose objects and drives are nine pushes as it is.
-REPEATED = {'4.7': 2, '4.10': 2, '4.14': 2, 'disturbed-objects': 1}
+REPEATED = {'4.7': 2, '4.10': 2, '4.14': 2, 'disturbed-objects': 1, 'side-push-experiment': 1}
 
 
 def outcome_of(study: Study, **overrides: Any) -> Outcome:

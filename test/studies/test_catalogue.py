@@ -14,7 +14,7 @@ def test_studies_are_in_the_order_of_the_thesis_and_those_beyond_it_follow():
     assert beyond == [f'P.{number}' for number in range(1, len(beyond) + 1)]
     assert figures[-len(beyond):] == beyond
     assert [study.figure for study in catalogue.select(['beyond'])] == [
-        'rolling-plan', 'four-goals', 'disturbed-objects']
+        'rolling-plan', 'four-goals', 'disturbed-objects', 'side-push-experiment']
     # The tables of a chapter come after its figures.
     thesis = [study.figure for study in catalogue.select(['chapter2', 'chapter3', 'chapter4'])]
     assert figures[:len(thesis)] == thesis

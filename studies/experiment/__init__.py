@@ -1,0 +1,1 @@
+"""Case study 3 as an experiment: repeated straight pushes on a side, simulated or recorded."""
