@@ -29,17 +29,17 @@ class Share(NamedTuple):
 
     :param stated: as stated [%].
     :param hits: number of cases in which it was so.
-    :param count: number of cases.
+    :param total: number of cases.
     """
 
     stated: float
     hits: int
-    count: int
+    total: int
 
     def __str__(self) -> str:
         """Write it with its 95 % interval; bold where it is off by more than is allowed."""
-        low, high = wilson(self.hits, self.count)
-        share = 100.0 * self.hits / self.count
+        low, high = wilson(self.hits, self.total)
+        share = 100.0 * self.hits / self.total
         text = f'{share:.0f} ({100.0 * low:.0f} to {100.0 * high:.0f})'
         return f'**{text}**' if abs(share - self.stated) > MAX_DIFFERENCE else text
 
