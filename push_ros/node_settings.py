@@ -211,6 +211,49 @@ class TrackerOptions:
 
 
 @dataclasses.dataclass(frozen=True)
+class TaggedTopics:
+    """One of several objects with tags, which has a topic of its own."""
+
+    name: str = quantity('name of one of several objects: poses on objects/NAME/object_pose')
+    tags: str = quantity('its tags: file, or name in config/tags')
+
+    def __post_init__(self):
+        """Validate the fields."""
+        check(self)
+        check_topic_name('TaggedTopics.name', self.name)
+
+
+@dataclasses.dataclass(frozen=True)
+class DetectorOptions:
+    """Options of the node that detects tags."""
+
+    tags: str = quantity('tags of the only object: file, or name in config/tags; empty: those of '
+                         'objects', is_basic=True, default='')
+    objects: tuple[TaggedTopics, ...] = quantity('several objects', default=())
+    pose_frame: str = quantity(
+        'frame of object poses, and of camera.*: base_link for a camera on the robot, odom or map '
+        'for one in the room', is_basic=True, default='base_link')
+    compressed: bool = quantity('take image_raw/compressed in place of image_raw', default=False)
+    object_pose_with_covariance: bool = quantity(
+        'publish PoseWithCovarianceStamped on object_pose, else PoseStamped', default=True)
+
+    def __post_init__(self):
+        """Validate the fields."""
+        check(self)
+        if not self.pose_frame:
+            raise ValueError('DetectorOptions.pose_frame: got an empty text, expected a frame id')
+        names = [entry.name for entry in self.objects]
+        if bool(self.tags) == bool(names) or len(set(names)) < len(names):
+            raise ValueError(f'DetectorOptions.tags: got {self.tags!r} and the objects {names}, '
+                             'expected one of the two, and each name once')
+
+    @property
+    def tags_by_object(self) -> dict[str, str]:
+        """Files of tags by the names of objects; the only object has none."""
+        return {entry.name: entry.tags for entry in self.objects} or {'': self.tags}
+
+
+@dataclasses.dataclass(frozen=True)
 class TidyOptions:
     """Options of the node that brings several objects to their goals."""
 

@@ -14,11 +14,12 @@ from xml.etree import ElementTree
 
 from push_ros.push_interfaces import ACTION, STATUS, TIDY_ACTION
 from push_ros.topics import (
-    CONTROLLER, MOCAP, PLANNER, SERVICES, SIM, TIDY, topic_of_object, TOPICS, TRACKER)
+    CONTROLLER, MOCAP, PLANNER, SERVICES, SIM, TAG_DETECTOR, TIDY, topic_of_object, TOPICS,
+    TRACKER)
 
 VERSION = '0.2.0'
 DONE = 0
-NODES = PLANNER, CONTROLLER, SIM, TRACKER, MOCAP, TIDY
+NODES = PLANNER, CONTROLLER, SIM, TRACKER, MOCAP, TIDY, TAG_DETECTOR
 # Who offers which action.
 ACTIONS = {CONTROLLER: ACTION, TIDY: TIDY_ACTION}
 # Topic of the poses of any of several objects.

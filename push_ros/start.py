@@ -20,6 +20,7 @@ NODES = {'controller': ('push_control.controller_node', 'ControllerNode'),
          'mocap_odometry': ('push_tracker.mocap_node', 'MocapNode'),
          'mujoco_sim': ('push_mujoco.mujoco_node', 'make_node'),
          'sim': ('push_sim_node.sim_node', 'SimNode'),
+         'tag_detector': ('push_tags.tag_detector_node', 'TagDetectorNode'),
          'tf_tracker': ('push_tracker.tracker_node', 'TrackerNode'),
          'tidy': ('push_tidy.tidy_node', 'TidyNode')}
 # A node with options of its own, which its function main reads.
@@ -62,6 +63,11 @@ def mocap_odometry() -> int:
 def tf_tracker() -> int:
     """Run the tracker; return its exit status."""
     return start('tf_tracker')
+
+
+def tag_detector() -> int:
+    """Run the detector of tags; return its exit status."""
+    return start('tag_detector')
 
 
 def tidy() -> int:

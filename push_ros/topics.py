@@ -10,7 +10,7 @@ from nav_msgs.msg import OccupancyGrid, Odometry, Path
 from push_ros import qos
 from rclpy.qos import QoSProfile
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import CameraInfo, Image, LaserScan
+from sensor_msgs.msg import CameraInfo, CompressedImage, Image, LaserScan
 from std_msgs.msg import Bool
 from std_srvs.srv import Trigger
 from trajectory_msgs.msg import JointTrajectory
@@ -22,6 +22,7 @@ SIM = 'push_sim'
 TRACKER = 'push_tracker'
 TIDY = 'push_tidy'
 MOCAP = 'mocap_odometry'
+TAG_DETECTOR = 'tag_detector'
 
 
 # Longest message whose parts are read one by one [bytes]; chosen: a plan of 40 m with the default
@@ -106,16 +107,20 @@ def interface_name(kind: type) -> str:
 TOPICS = {
     'odom': Topic(Odometry, (SIM, MOCAP), (PLANNER, CONTROLLER, TIDY), qos.MEASUREMENT, qos.SENSOR,
                   'robot pose in the world frame, velocity in robot axes'),
-    'object_pose': Topic(PoseStamped, (SIM, TRACKER), (PLANNER, CONTROLLER, TIDY),
+    'object_pose': Topic(PoseStamped, (SIM, TRACKER, TAG_DETECTOR),
+                         (PLANNER, CONTROLLER, TIDY),
                          qos.MEASUREMENT, qos.SENSOR,
                          'measured object pose; PoseWithCovarianceStamped with '
                          'object_pose_with_covariance; of several objects '
                          'objects/NAME/object_pose each'),
     'scan': Topic(LaserScan, (SIM,), (CONTROLLER,), qos.MEASUREMENT, qos.SENSOR,
                   "scan of the robot's lidar, with place.source scan", is_optional=True),
-    'image_raw': Topic(Image, (SIM,), (), qos.IMAGE, qos.SENSOR,
-                       'image (rgb8) of the simulator mujoco_sim', is_optional=True),
-    'camera_info': Topic(CameraInfo, (SIM,), (), qos.IMAGE, qos.SENSOR,
+    'image_raw': Topic(Image, (SIM,), (TAG_DETECTOR,), qos.IMAGE, qos.NEWEST,
+                       'image (rgb8) of the simulator mujoco_sim, or mono8, rgb8 or bgr8 of a '
+                       'camera', is_optional=True),
+    'image_raw/compressed': Topic(CompressedImage, (), (TAG_DETECTOR,), qos.IMAGE, qos.NEWEST,
+                                  'the same as JPEG or PNG, with compressed', is_optional=True),
+    'camera_info': Topic(CameraInfo, (SIM,), (TAG_DETECTOR,), qos.IMAGE, qos.SENSOR,
                          'intrinsics of its camera, with each image', is_optional=True),
     'bumper': Topic(Bool, (SIM,), (), qos.EVENT, qos.SENSOR,
                     "whether the switch of its robot's bumper is closed", is_optional=True),
@@ -157,7 +162,8 @@ TOPICS = {
                               'against a plan'),
     'footprint': Topic(PolygonStamped, (CONTROLLER,), (), qos.EVENT, qos.EVENT,
                        'outline of the robot, and of an object that it pushes'),
-    'diagnostics': Topic(DiagnosticArray, (PLANNER, CONTROLLER, SIM, TRACKER, MOCAP, TIDY), (),
+    'diagnostics': Topic(DiagnosticArray,
+                         (PLANNER, CONTROLLER, SIM, TRACKER, MOCAP, TIDY, TAG_DETECTOR), (),
                          qos.STATUS, qos.STATUS,
                          'state of each node, and why it stops, on /diagnostics',
                          is_global=True),

@@ -18,9 +18,11 @@ from push_mujoco.settings import MujocoSettings
 from push_planner import planner_node
 from push_ros.conversions.plan import FAILURE_CODES
 from push_ros.topics import (
-    CONTROLLER, interface_name, MOCAP, PLANNER, SERVICES, SIM, TIDY, Topic, TOPICS, TRACKER,
+    CONTROLLER, interface_name, MOCAP, PLANNER, SERVICES, SIM, TAG_DETECTOR, TIDY, Topic,
+    TOPICS, TRACKER,
 )
 from push_sim_node import sim_node
+from push_tags import tag_detector_node
 from push_tidy import tidy_node
 from push_tracker import mocap_node, tracker_node
 from push_view import view_node
@@ -35,6 +37,7 @@ GROUPS: dict[str, Sequence[tuple[str, type]]] = {
     SIM: (*sim_node.SECTIONS, ('mujoco.', MujocoSettings)),
     TRACKER: tracker_node.SECTIONS,
     MOCAP: mocap_node.SECTIONS,
+    TAG_DETECTOR: tag_detector_node.SECTIONS,
     TIDY: tidy_node.SECTIONS,
     view_node.NAME: view_node.SECTIONS,
 }
