@@ -18,6 +18,9 @@ from push_primitives.cost_settings import CONTACT_PATHS, CostSettings
 # Gap between two objects below which they stand in each other's place [m]; chosen: below what
 # goals side by side state, above their rounding.
 MIN_GAP = 0.005
+# The same beside an object that is still to be moved [m]; chosen: a cell of a map that the other
+# covers, and what an object keeps from it.
+MIN_GAP_TO_LEAVE = 0.08
 # Time by which a move is longer where the robot has no room at any face of the object, at its
 # start or its end [s]; chosen: two contacts, so that objects go to narrow places first.
 CROWDED_TIME = 10.0
@@ -112,9 +115,11 @@ class MoveEvaluator:
         return not self.overlapped(layout, index, place)
 
     def overlapped(self, layout: Layout, index: int, place: int) -> list[int]:
-        """List the objects in whose place an object would stand."""
+        """List the objects in whose place an object would stand, or that could not leave."""
+        bodies = self._placements.bodies
         return [other for other, other_place in enumerate(layout) if other != index
-                and self._placements.gap(index, place, other, other_place) < MIN_GAP]
+                and self._placements.gap(index, place, other, other_place) < (
+                    MIN_GAP if bodies[other].is_placed(other_place) else MIN_GAP_TO_LEAVE)]
 
     def is_reached(self, layout: Layout, regions: Regions, index: int) -> bool:
         """Tell whether the robot gets to a face of an object."""

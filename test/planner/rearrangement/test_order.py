@@ -85,6 +85,14 @@ def test_what_stands_at_a_goal_is_moved_first() -> None:
     assert names == ['table', 'crate', 'carton', 'bin']
 
 
+def test_what_would_be_hemmed_in_leaves_first() -> None:
+    """The near box goes to a gap of 2 cm beside the start of the other, which is far."""
+    problem = rearrangement(
+        NamedObject('far', box(), Pose(1.5, 1.2, 0.0), Pose(-1.5, 1.2, 0.0)),
+        NamedObject('near', box(), Pose(0.0, -0.9, 0.0), Pose(1.5, 0.78, 0.0)))
+    assert summary(plan_order(problem)) == [('far', False), ('near', False)]
+
+
 def test_the_sequence_of_objects_has_no_effect() -> None:
     """Objects are told apart by their names alone."""
     plans = [plan_order(rearrangement(*objects))
