@@ -66,6 +66,8 @@ ARGUMENTS = {
               'odom of the poses of a rigid body on the robot'),
     'object_pose_with_covariance': ('', SWITCH, 'object_pose is PoseWithCovarianceStamped, else '
                                     'PoseStamped; with tracker it is'),
+    'tidy': ('false', BOOLEAN, 'start the node tidy, too, which serves push_objects; params_file '
+             'states the objects'),
     'simulation': ('false', BOOLEAN,
                    'start the simulator in place of robot and tracker'),
     'simulator': ('sim', ['sim', 'mujoco_sim'],
@@ -79,6 +81,8 @@ ARGUMENTS = {
     'record': ('', None, 'folder for a recording of all topics of the nodes; empty for none'),
     'respawn': ('false', BOOLEAN, 'start a node again that has ended; else all end'),
 }
+# Topic of the map with the objects in it, where ``tidy`` makes that of the map of ``map_topic``.
+MAP_WITH_OBJECTS = 'map_with_objects'
 # Time before a node is started again [s], chosen as that of Nav2.
 RESPAWN_DELAY = 2.0
 
@@ -116,7 +120,8 @@ def make_nodes(context: LaunchContext) -> list[Action]:
     return [
         *simulator(given, common), *tracker(given, options, poses), *mocap(given, options),
         push_node('planner', common, {**planner, **poses}),
-        push_node('controller', common, {**controller, **poses}), *map_server(given),
+        push_node('controller', common, {**controller, **poses}), *tidy(given, common, poses),
+        *map_server(given),
         *recording(given), *rviz(given, common),
     ]
 
@@ -131,8 +136,11 @@ def common_options(given: Arguments) -> dict[str, Any]:
     respawn = switch('respawn', given['respawn'])
     remappings = [(name, given[name]) for name in TOPICS]
     # As in Nav2: every namespace has a tf of its own.
-    remappings += [('map', given['map_topic']), ('/tf', 'tf'), ('/tf_static', 'tf_static'),
-                   ('/clock', given['clock'])]
+    remappings += [('/tf', 'tf'), ('/tf_static', 'tf_static'), ('/clock', given['clock'])]
+    if switch('tidy', given['tidy']):
+        remappings += [('room_map', given['map_topic']), ('map', MAP_WITH_OBJECTS)]
+    else:
+        remappings.append(('map', given['map_topic']))
     return {'namespace': given['namespace'], 'remappings': remappings, 'output': 'screen',
             'respawn': respawn, 'respawn_delay': RESPAWN_DELAY, 'log_level': given['log_level'],
             'use_sim_time': switch('use_sim_time', given['use_sim_time'])}
@@ -204,6 +212,11 @@ def tracker(given: Arguments, options: dict[str, Any], poses: dict[str, bool | N
     sections = launch_parameters(given['tracker'], argument='tracker')
     file = write_parameters(sections, launch_config.log_dir)
     return [push_node('tf_tracker', {**options, 'parameters': [file]}, poses, name='push_tracker')]
+
+
+def tidy(given: Arguments, common: dict[str, Any], poses: dict[str, bool | None]) -> list[Action]:
+    """Make the node that brings several objects to their goals."""
+    return [push_node('tidy', common, {**poses})] if switch('tidy', given['tidy']) else []
 
 
 def mocap(given: Arguments, options: dict[str, Any]) -> list[Action]:

@@ -127,6 +127,7 @@ class GoalProgress(NamedTuple):
     :param deviation: ``PoseDeviation`` of the object in the frame of its goal, where that drifts
         with odometry; None where it does not.
     :param outlook: ``Outlook`` from now on; None where none is known.
+    :param robot_pose: estimated ``Pose`` of the robot in the world; None before it is known.
     """
 
     state: PushState = PushState.IDLE
@@ -137,3 +138,4 @@ class GoalProgress(NamedTuple):
     heading_error: float = math.nan
     deviation: PoseDeviation | None = None
     outlook: Outlook | None = None
+    robot_pose: Pose | None = None

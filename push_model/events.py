@@ -129,6 +129,7 @@ class ObjectFailure(Cause):
     PUSHES_FAILED = 'its pushes failed: {reason}'
     NOT_ALL = 'nothing more is moved: all were asked for, and {others} cannot get to a goal'
     NOT_MOVED = 'it was not moved: {reason}'
+    NOT_MEASURED = '{missing} did not come for {time:g} s'
 
 
 @dataclasses.dataclass(frozen=True)

@@ -263,6 +263,8 @@ class TidyOptions:
                                   default='')
     pose_count: int = quantity('poses of an object at rest that are averaged', '', 1, 10_000,
                                default=10)
+    measuring_timeout: float = quantity('longest wait for poses of all objects, map and odometry',
+                                        's', 1.0, 3600.0, default=60.0)
     position_tolerance: float = quantity('distance from a goal that counts as there', 'm',
                                          MIN_TOLERANCE, MAX_TOLERANCE, default=0.01)
     heading_tolerance: float = quantity('heading error that does', 'rad', MIN_TOLERANCE,

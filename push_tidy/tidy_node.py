@@ -2,6 +2,7 @@
 
 import functools
 import sys
+import time
 from typing import Any, Callable
 
 from push_model.parameters import RoundRobot
@@ -25,7 +26,7 @@ from rclpy.clock_type import ClockType
 
 SECTIONS = (('robot.', RoundRobot), ('drive.', DriveSettings), ('map.', MapSettings),
             ('', Frames), ('', TidyOptions))
-# Period at which the controller is looked after [s]; chosen: soon enough for a person.
+# Period at which controller and measurements are looked after [s]; chosen: soon for a person.
 WATCH_PERIOD = 0.5
 
 
@@ -96,7 +97,7 @@ class TidyNode(PushNode):
 
     def _on_odometry(self, message: Any) -> None:
         try:
-            self._inputs.robot_pose = from_odometry_message(message, self._frame).pose
+            self._inputs.on_odometry(from_odometry_message(message, self._frame).pose)
         except MessageRefused as error:
             self._refuse(error, message)
 
@@ -124,7 +125,7 @@ class TidyNode(PushNode):
 
     def _watch(self) -> None:
         if self._server.run is not None:
-            self._server.run.check_controller()
+            self._server.run.check(time.monotonic())
 
 
 if __name__ == '__main__':

@@ -127,6 +127,9 @@ class GoalPursuit:
         else:
             progress = task_progress(self._supervisor.status, self._supervisor.cause,
                                      is_started=self.is_started)
+        perception = self._supervisor.perception
+        if perception.is_localized:
+            progress = progress._replace(robot_pose=perception.robot_pose)
         measured = None if self._observation is None else self._observation.object_pose
         if measured is None or self._goal is None:
             return progress._replace(deviation=None)

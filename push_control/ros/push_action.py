@@ -16,11 +16,13 @@ from push_control.ros.base_check import BaseFault
 from push_control.ros.goal_entry import GoalEntry, GoalHandle
 from push_control.task.code_text import code_names
 from push_model.events import codes, sentence
+from push_model.geometry import Pose
 from push_model.parameters import PushedObject
 from push_model.signals import PoseDeviation
 from push_ros import qos
 from push_ros.conversions.measurements import from_object_pose_message
-from push_ros.conversions.primitives import MessageRefused, seconds, to_stamp
+from push_ros.conversions.primitives import (
+    MessageRefused, seconds, to_pose_message, to_stamp)
 from push_ros.deferring_server import DeferringActionServer
 from push_ros.node import PushNode, RateLimiter
 from push_ros.push_interfaces import ACTION, PushInterfaces, STATUS
@@ -29,6 +31,7 @@ from rclpy.action.server import CancelResponse, GoalResponse, ServerGoalHandle
 # Feedback and status per second of measured time without a change [Hz]; chosen: smooth for a
 # progress bar, few beside a hundred measurements per second.
 FEEDBACK_RATE = 5.0
+UNKNOWN_POSE = Pose(math.nan, math.nan, math.nan)
 # Names of the error codes; a goal whose client has cancelled it has none.
 ERRORS = {GoalOutcome.REACHED: 'NONE', GoalOutcome.CANCELLED: 'INTERRUPTED',
           GoalOutcome.REPLACED: 'PREEMPTED', GoalOutcome.TIMED_OUT: 'TIMEOUT',
@@ -261,7 +264,8 @@ class PushActionServer:
             state=getattr(self._interfaces.status, progress.state.name),
             text=f'{progress.state.value}, {reason}' if reason else progress.state.value,
             push_number=progress.pushes, pushes_done=progress.pushes - is_pushing,
-            codes=code_names(codes(progress.cause)), **_errors(progress), **_stated(progress))
+            codes=code_names(codes(progress.cause)), **_errors(progress), **_stated(progress),
+            robot_pose=to_pose_message(progress.robot_pose or UNKNOWN_POSE))
         status.header.stamp = to_stamp(time)
         status.header.frame_id = self._goals.frame
         return status

@@ -180,13 +180,16 @@ class SimOutputs:
         self.republish(published)
         return published
 
-    def publish_standing(self, name: str, pose: ObjectPose) -> None:
+    def publish_standing(self, name: str, pose: ObjectPose) -> PublishedMeasurement:
         """
         Publish the pose of an object beside the pushed one.
 
         :param name: of the object.
+        :return: what was published.
         """
-        self.republish(self._pose_message(name, pose))
+        published = self._pose_message(name, pose)
+        self.republish(published)
+        return published
 
     def _pose_message(self, name: str, pose: ObjectPose) -> PublishedMeasurement:
         stamp = self._nanoseconds(pose.time)

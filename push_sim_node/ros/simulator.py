@@ -46,12 +46,13 @@ class _InFlight(NamedTuple):
     """
     The measurement that was published last.
 
-    :param published: the ``PublishedMeasurement``.
+    :param published: ``PublishedMeasurement`` of it; of an object pose before that those of all
+        other objects, as the controller may answer any of them.
     :param sent: wall time [s].
     :param is_timed: whether the time until its first answer is of interest still.
     """
 
-    published: PublishedMeasurement
+    published: list[PublishedMeasurement]
     sent: float
     is_timed: bool
 
@@ -234,7 +235,8 @@ class Simulator(PushNode):
                       'is gone; stopped')
         elif self._in_flight is not None and self._exchange.is_resend_due(now):
             self._exchange.resent(now)
-            self._outputs.republish(self._in_flight.published)
+            for published in self._in_flight.published:
+                self._outputs.republish(published)
 
     def _keep_time(self, now: float) -> None:
         """Compute the next measurement, and publish it when it is due."""
@@ -315,22 +317,23 @@ class Simulator(PushNode):
         sent = time.monotonic()
         published = self._publish_measurement(measurement)
         self._in_flight = _InFlight(published, sent, is_timed=isinstance(measurement, ObjectPose))
-        self._exchange.sent(published.stamp, now)
+        self._exchange.sent(published[-1].stamp, now)
         # While the controller computes its command.
         self._outputs.publish_scene(self._simulation)
         if not self._options.lockstep:
             self._wake_time = now + COMMAND_GRACE / max(1.0, self._pacer.scale)
 
-    def _publish_measurement(self, measurement: Measurement) -> PublishedMeasurement:
+    def _publish_measurement(self, measurement: Measurement) -> list[PublishedMeasurement]:
         """Publish a measurement; with a pose of one of several objects those of all others."""
         self.on_measured(measurement)
         room = self._room
         if room is None:
-            return self._outputs.publish_measurement(measurement)
+            return [self._outputs.publish_measurement(measurement)]
+        standing: dict[str, ObjectPose] = {}
         if isinstance(measurement, ObjectPose):
-            for name, pose in room.measure_standing(measurement.time).items():
-                self._outputs.publish_standing(name, pose)
-        return self._outputs.publish_measurement(measurement, room.pushed)
+            standing = room.measure_standing(measurement.time)
+        return [*(self._outputs.publish_standing(name, pose) for name, pose in standing.items()),
+                self._outputs.publish_measurement(measurement, room.pushed)]
 
     def _next_measurement(self) -> Measurement:
         """Let time go on; of several objects the one can be pushed that the robot is nearest."""

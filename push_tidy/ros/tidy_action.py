@@ -103,7 +103,7 @@ class TidyActionServer:
             needs_all=request.all_or_none, time_limit=seconds(request.time_limit) or math.inf)
         self._handle = handle
         self.run = TidyRun(goals, supervisor, self._inputs, self._ports,
-                           pose_count=self._parameters.options.pose_count,
+                           options=self._parameters.options,
                            start=seconds(self._node.now()))
 
     def _goals_of(self, request: Any) -> dict[str, ObjectGoal]:

@@ -11,9 +11,12 @@ import enum
 import math
 from typing import Any, NamedTuple
 
+from push_model.events import ObjectFailure
 from push_model.geometry import distance, Pose, wrap_angle
 from push_planner.rearrangement.problem import Move
+from push_ros.conversions.primitives import from_pose_message
 from push_ros.node import PushNode
+from push_ros.node_settings import TidyOptions
 from push_ros.push_interfaces import ACTION
 from push_tidy.obstacles import MARGIN_SIGMAS, StandingObject
 from push_tidy.rest_poses import RestPose, RestPoses
@@ -34,12 +37,28 @@ class RoomInputs:
     """
     What a run needs to know of the room, as it was last received.
 
-    ``room_map``: the ``RoomMap``, ``robot_pose``: ``Pose`` of the robot by odometry; None before.
+    ``room_map``: the ``RoomMap``, or None before it has come.
     """
 
     def __init__(self) -> None:
         self.room_map: RoomMap | None = None
-        self.robot_pose: Pose | None = None
+        self._odometry: Pose | None = None
+        # From where odometry has the robot to where the controller has it.
+        self._correction = Pose(0.0, 0.0, 0.0)
+
+    @property
+    def robot_pose(self) -> Pose | None:
+        """``Pose`` of the robot, by odometry since the controller has estimated it; or None."""
+        return None if self._odometry is None else self._correction @ self._odometry
+
+    def on_odometry(self, pose: Pose) -> None:
+        """Take odometry in, which drifts."""
+        self._odometry = pose
+
+    def on_estimate(self, pose: Pose) -> None:
+        """Take in where the controller estimates the robot to be now."""
+        if self._odometry is not None:
+            self._correction = pose @ self._odometry.inverse()
 
     @property
     def missing(self) -> list[str]:
@@ -76,20 +95,24 @@ class TidyRun:
     :param goals: ``ObjectGoal`` of each object that is there, by name.
     :param supervisor: of the same.
     :param inputs: ``RoomInputs``.
-    :param pose_count: poses of each object that are averaged.
     :param ports: ``RunPorts``.
+    :param options: ``TidyOptions``.
     :param start: time at which it starts [s].
     """
 
     def __init__(self, goals: dict[str, ObjectGoal], supervisor: TidySupervisor,
-                 inputs: RoomInputs, ports: RunPorts, *, pose_count: int, start: float) -> None:
+                 inputs: RoomInputs, ports: RunPorts, *, options: TidyOptions,
+                 start: float) -> None:
         self._goals = goals
         self.supervisor = supervisor
         self._inputs = inputs
         self._ports = ports
         self._start = start
         self._now = start
-        self._rest = RestPoses(list(goals), pose_count)
+        self._rest = RestPoses(list(goals), options.pose_count)
+        self._timeout = options.measuring_timeout
+        # Steady time at which this state was first looked at [s]; None before.
+        self._measuring_since: float | None = None
         self.state = RunState.MEASURING
         self.feedback: Any = None
         self.is_cancelled = False
@@ -103,9 +126,8 @@ class TidyRun:
     @property
     def text(self) -> str:
         """What comes next and why, for people."""
-        waits = [*self._inputs.missing, *(f'poses of {name}' for name in self._rest.missing)]
-        if self.state is RunState.MEASURING and waits:
-            return f'waits for {", ".join(waits)}'
+        if self.state is RunState.MEASURING and self._missing:
+            return f'waits for {", ".join(self._missing)}'
         moves = self.supervisor.plan.moves
         if self.state is not RunState.MOVING or not moves:
             return self.state.value
@@ -114,6 +136,11 @@ class TidyRun:
             return f'{first.name} to its goal'
         after = next((move.name for move in moves if move.name != first.name), '')
         return f'{first.name} out of the way' + (f', as {after} is next' if after else '')
+
+    @property
+    def _missing(self) -> list[str]:
+        """What has to come before it is known where everything is."""
+        return [*self._inputs.missing, *(f'poses of {name}' for name in self._rest.missing)]
 
     def errors(self, name: str) -> tuple[float, float]:
         """Return distance [m] and rotation [rad] of an object from its goal; nan if unknown."""
@@ -133,7 +160,7 @@ class TidyRun:
         if self.state is not RunState.MEASURING:
             return
         self._rest.add(name, pose)
-        if not self._rest.missing and not self._inputs.missing:
+        if not self._missing:
             self._decide()
 
     def cancel(self, reason: str) -> None:
@@ -148,11 +175,25 @@ class TidyRun:
         elif self.state is RunState.MEASURING:
             self._end()
 
-    def check_controller(self) -> None:
-        """End where the controller is gone."""
+    def check(self, time: float) -> None:
+        """
+        End where the controller is gone, or measurements stay away.
+
+        :param time: of a clock that never stands [s].
+        """
         if self.state is RunState.MOVING and not self._ports.moves.is_ready:
             self._ports.moves.drop()
             self.supervisor.cancel(f'nobody serves {ACTION}')
+            self._end()
+        elif self.state is RunState.MEASURING:
+            self._check_measuring(time)
+
+    def _check_measuring(self, time: float) -> None:
+        if self._measuring_since is None:
+            self._measuring_since = time
+        elif time - self._measuring_since > self._timeout:
+            self.supervisor.cancel(ObjectFailure.NOT_MEASURED.report(
+                missing=' and '.join(self._missing), time=self._timeout))
             self._end()
 
     def _decide(self) -> None:
@@ -185,6 +226,9 @@ class TidyRun:
 
     def _on_feedback(self, feedback: Any) -> None:
         self.feedback = feedback
+        pose = feedback.status.robot_pose
+        if not math.isnan(pose.position.x):
+            self._inputs.on_estimate(from_pose_message(pose, ACTION))
         self._ports.on_change()
 
     def _on_end(self, move: Move, end: MoveEnd) -> None:
@@ -192,7 +236,7 @@ class TidyRun:
         if end.ends_all:
             self.supervisor.cancel(end.failure)
         self._rest.restart()
-        self.state = RunState.MEASURING
+        self.state, self._measuring_since = RunState.MEASURING, None
         self._ports.on_change()
 
     def _end(self) -> None:

@@ -25,9 +25,11 @@ from rclpy.task import Future
 import yaml
 
 EXECUTABLES = {'controller': 'push_controller', 'mocap_odometry': 'mocap_odometry',
-               'planner': 'push_planner', 'sim': 'push_sim', 'tf_tracker': 'push_tracker'}
-# The tracker starts only where tf2_msgs is installed, and with the tags of an object.
-STARTED = [name for name in EXECUTABLES if name != 'tf_tracker']
+               'planner': 'push_planner', 'sim': 'push_sim', 'tf_tracker': 'push_tracker',
+               'tidy': 'push_tidy'}
+# The tracker starts only where tf2_msgs is installed, and with the tags of an object; tidy with
+# names of objects.
+STARTED = [name for name in EXECUTABLES if name not in ('tf_tracker', 'tidy')]
 PATIENCE = 400.0
 pytestmark = [pytest.mark.dds, pytest.mark.slow]
 SOURCED = 'AMENT_PREFIX_PATH', 'COLCON_PREFIX_PATH', 'PYTHONPATH'
@@ -123,7 +125,7 @@ def stop(process):
     return process.communicate(timeout=PATIENCE)[0]
 
 
-@pytest.mark.parametrize('name', [*EXECUTABLES, 'calibrate', 'identify', 'play', 'replay', 'tidy',
+@pytest.mark.parametrize('name', [*EXECUTABLES, 'calibrate', 'identify', 'play', 'replay',
                                   'view'])
 def test_ros2_run_finds_the_executable(workspace, name):
     """It lies in lib/push_control and may be executed."""

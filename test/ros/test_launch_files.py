@@ -15,7 +15,7 @@ pytestmark = [pytest.mark.dds, pytest.mark.slow]
 ARGUMENTS = {'namespace', 'params_file', 'use_sim_time', 'log_level', 'object', 'robot', 'task',
              'map', 'autostart', 'rviz', 'record', 'respawn', 'wait_for_start',
              'enable_stamped_cmd_vel', 'odom', 'object_pose', 'goal_pose', 'cmd_vel', 'tracker',
-             'mocap', 'robot_pose', 'object_pose_with_covariance', 'scan', 'place'}
+             'mocap', 'robot_pose', 'object_pose_with_covariance', 'scan', 'place', 'tidy'}
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""The action push_objects over DDS: a box leaves the place of another, which then comes."""
+"""The action push_objects over DDS: a bin leaves the door through which a box has to come."""
 
 from collections.abc import Iterator, Mapping
 import contextlib
@@ -7,6 +7,7 @@ import shutil
 from typing import Any, NamedTuple
 
 from helpers.architecture import ROOT
+from helpers.blocked_door import small_rooms
 from helpers.build_interfaces import available
 from push_model.events import ObjectFailure
 from push_model.files.flat_values import to_parameter_values
@@ -19,7 +20,7 @@ from push_ros.topics import CONTROLLER, PLANNER, SIM, TIDY, topic_of_object, TOP
 from push_scenario.dds.parameter_files import write_parameter_files
 from push_scenario.dds.private_network import private_domain
 from push_scenario.dds.processes import NodeProcesses
-from push_scenario.tidying.room import Room, room_from_text
+from push_scenario.tidying.room import Room
 import pytest
 import rclpy
 from rclpy.context import Context
@@ -30,18 +31,9 @@ pytestmark = [pytest.mark.dds, pytest.mark.slow]
 
 MODULES = {PLANNER: 'push_planner.planner_node', CONTROLLER: 'push_control.controller_node',
            SIM: 'push_sim_node.sim_node', TIDY: 'push_tidy.tidy_node'}
-ROOM = """
-description: a box to its goal, and another one in its place
-robot: {file: holonomic_017.yaml}
-start: {robot: {x: -0.9, y: 0.05}}
-objects:
-  crate: {object: {file: box_04.yaml}, start: {x: -0.4, y: 0.0}, goal: {x: 0.2, y: 0.0}}
-  chest: {object: {file: box_04.yaml}, start: {x: 0.35, y: 0.1}}
-sensors: {pose_noise: 0.001, pose_heading_noise_deg: 0.2, pose_latency: 0.08, odometry_scale: 0.02}
-time_limit: 200
-"""
-FILES = {'crate': 'box_04', 'chest': 'box_04'}
-GOAL, FAR = Pose(0.2, 0.0, 0.0), Pose(-0.9, 0.3, 0.0)
+FILES = {'crate': 'box_04', 'box': 'box_04', 'bin': 'bin'}
+GOALS = {'box': Pose(0.65, 0.0, 0.0), 'crate': Pose(-1.5, -0.9, 0.0)}
+FAR = {'box': Pose(1.2, 0.3, 0.0)}
 TOLERANCE = 0.01
 
 
@@ -100,7 +92,7 @@ def write_parameters(folder: Path, room: Room) -> dict[str, Path]:
 def nodes(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Nodes]:
     """Start all nodes, and publish the map of the room."""
     folder = tmp_path_factory.mktemp('tidy')
-    room, context = room_from_text(ROOM, 'room'), Context()
+    room, context = small_rooms(), Context()
     paths = write_parameters(folder, room)
     with available(ROOT / 'push_control_msgs'), private_domain() as domain, \
             NodeProcesses(domain, folder) as processes, contextlib.ExitStack() as stack:
@@ -141,28 +133,29 @@ def states(objects: Mapping[str, ObjectReport]) -> dict[str, int]:
     return {name: report.state for name, report in objects.items()}
 
 
-def test_what_is_in_the_place_of_another_is_moved_first(nodes: Nodes) -> None:
-    """One box leaves, the other gets to its goal; feedback says what comes next and why."""
+def test_what_blocks_a_door_is_moved_first(nodes: Nodes) -> None:
+    """The bin leaves, the box comes through, the crate stays; feedback says what and why."""
     from push_control_msgs.msg import ObjectStatus
-    assert nodes.commander.tidy({'crate': GOAL})
+    assert nodes.commander.tidy(GOALS)
     result, feedback = nodes.watch()
     assert (result.outcome, result.error_code) == (PushOutcome.SUCCEEDED, 0), result
-    assert states(result.objects) == {'crate': ObjectStatus.AT_GOAL,
-                                      'chest': ObjectStatus.WITHOUT_GOAL}
-    assert result.moves == 2 and result.objects['crate'].position_error < TOLERANCE
-    assert distance(measured(nodes, 'crate'), GOAL) < TOLERANCE + 0.005
+    assert states(result.objects) == {
+        'box': ObjectStatus.AT_GOAL, 'crate': ObjectStatus.AT_GOAL,
+        'bin': ObjectStatus.WITHOUT_GOAL}
+    assert result.moves == 2 and result.objects['box'].position_error < TOLERANCE
+    assert distance(measured(nodes, 'box'), GOALS['box']) < TOLERANCE + 0.005
     texts = [item.text for item in feedback]
     first, = {text for text in texts if 'out of the way' in text}
-    assert first == 'chest out of the way, as crate is next'
-    assert texts.index(first) < texts.index('crate to its goal')
+    assert first == 'bin out of the way, as box is next'
+    assert texts.index(first) < texts.index('box to its goal')
     moved = [item.object_name for item in feedback if item.object_name]
-    assert moved[0] == 'chest' and moved[-1] == 'crate'
+    assert moved[0] == 'bin' and moved[-1] == 'box'
 
 
 def test_an_object_that_nobody_knows_is_refused(nodes: Nodes) -> None:
     """Before anything moves."""
     from push_control_msgs.action import PushObjects
-    assert nodes.commander.tidy({'sofa': GOAL})
+    assert nodes.commander.tidy({'sofa': GOALS['box']})
     result, _ = nodes.watch()
     assert result.error_code == PushObjects.Result.UNKNOWN_OBJECT and 'sofa' in result.error_msg
     assert result.outcome is PushOutcome.ABORTED
@@ -171,12 +164,12 @@ def test_an_object_that_nobody_knows_is_refused(nodes: Nodes) -> None:
 def test_a_cancelled_goal_leaves_the_objects_where_they_are(nodes: Nodes) -> None:
     """It is cancelled while the robot drives to the box; the code says that it was not moved."""
     from push_control_msgs.action import PushObjects
-    assert nodes.commander.tidy({'crate': FAR})
-    while (feedback := nodes.commander.feedback()) is None or feedback.object_name != 'crate':
+    assert nodes.commander.tidy(FAR)
+    while (feedback := nodes.commander.feedback()) is None or feedback.object_name != 'box':
         assert not nodes.commander.is_done()
         nodes.processes.check()
     nodes.commander.cancel()
     result, _ = nodes.watch()
     assert result.outcome is PushOutcome.CANCELLED
     assert result.error_code == PushObjects.Result.INTERRUPTED
-    assert result.objects['crate'].codes == (f'ObjectFailure.{ObjectFailure.NOT_MOVED.name}',)
+    assert result.objects['box'].codes == (f'ObjectFailure.{ObjectFailure.NOT_MOVED.name}',)
