@@ -13,6 +13,7 @@ import sys
 import time
 
 from benchmarks.tidy.doors import draw_door
+from benchmarks.tidy.report import BLOCKED, order_table, REPORT, room_table, write_part
 from benchmarks.tidy.rooms import draw_room, SIDES
 import numpy as np
 from push_model.geometry import distance
@@ -23,10 +24,6 @@ from push_scenario.parallel import ERROR, progress_bar, run_many
 from push_scenario.tidying.room import Room
 from push_scenario.tidying.tidy import tidy
 from push_tidy.tidy_supervisor import OrderPlanner
-
-
-# In place of a number of objects.
-BLOCKED = 0
 
 
 @dataclasses.dataclass(frozen=True)
@@ -93,41 +90,6 @@ def room_row(job: Job) -> Row:
                                  for name, report in result.failures.items())}
 
 
-def order_lines(rows: Sequence[Row]) -> list[str]:
-    """Write the table of orders."""
-    lines = ['| objects | rooms | all in the order | temporary places | first answer, '
-             'CPU, median / most | best: time over that of the first, median |',
-             '| --- | --- | --- | --- | --- | --- |']
-    for count in SIDES:
-        of_count = [row for row in rows if row.get('count') == count]
-        if of_count:
-            cpu = [row['first_cpu'] for row in of_count]
-            ratio = np.median([row['best_time'] / row['first_time'] for row in of_count
-                               if row['first_time'] > 0.0])
-            lines.append(
-                f'| {count} | {len(of_count)} | {sum(not row["refused"] for row in of_count)} | '
-                f'{sum(row["temporary"] for row in of_count)} | {np.median(cpu):.2f} / '
-                f'{max(cpu):.2f} s | {ratio:.2f} |')
-    return lines
-
-
-def room_lines(rows: Sequence[Row]) -> list[str]:
-    """Write the table of rooms."""
-    lines = ['| objects, order | rooms in order | objects | touches | moves | time, median |',
-             '| --- | --- | --- | --- | --- | --- |']
-    for count, order in ((count, order) for count in (*SIDES, BLOCKED) for order in ORDERS):
-        some = [row for row in rows if (row.get('count'), row.get('order')) == (count, order)]
-        if some:
-            lines.append(
-                f'| {count or "blocked door"}, {order} | '
-                f'{sum(row["placed"] == row["objects"] for row in some)} of '
-                f'{len(some)} | {sum(row["placed"] for row in some)} of '
-                f'{sum(row["objects"] for row in some)} | '
-                f'{sum(row["touches"] for row in some)} | {sum(row["moves"] for row in some)} | '
-                f'{np.median([row["duration"] for row in some]):.0f} s |')
-    return lines
-
-
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the benchmark; see ``--help``."""
     parser = argparse.ArgumentParser(prog='python -m benchmarks.tidy', description=__doc__)
@@ -138,6 +100,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
                         help='order of the objects; repeat it to compare (default: both)')
     parser.add_argument('--out', type=Path, default=Path('out/tidy'), help='folder of the rows')
     parser.add_argument('--workers', type=int, help='processes (default: one per core)')
+    parser.add_argument('--report', action='store_true', help=f'write the table to {REPORT}')
     options = parser.parse_args(arguments)
     is_simulated = options.part != 'orders'
     orders = options.order or list(ORDERS) if is_simulated else ['searched']
@@ -150,6 +113,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     errors = [row for row in rows if ERROR in row]
     for row in errors:
         print(row[ERROR], file=sys.stderr)
-    lines = room_lines if is_simulated else order_lines
-    print('\n'.join(lines([row for row in rows if ERROR not in row])))
+    measured = [row for row in rows if ERROR not in row]
+    table = room_table(measured, list(ORDERS)) if is_simulated else order_table(measured)
+    print(table)
+    if options.report:
+        words = sys.argv[1:] if arguments is None else arguments
+        write_part(options.part, ' '.join(word for word in words if word != '--report'), table)
     return int(bool(errors))

@@ -21,6 +21,7 @@ REPORTS = {
     'benchmarks/plant/plant.md.in': 'docs/reports/plant.md',
     'benchmarks/speed/performance.md.in': 'docs/reports/performance.md',
     'benchmarks/tasks/tasks.md.in': 'docs/reports/tasks.md',
+    'benchmarks/tidy/tidy.md.in': 'docs/reports/tidy.md',
 }
 LINK = re.compile(r'\]\(([^)\s]+)\)')
 CODE = re.compile(r'(?<!`)`([^`\n]+)`(?!`)')

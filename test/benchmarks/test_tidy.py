@@ -1,7 +1,8 @@
 """Benchmark of rooms with several objects: what its rooms are, and what its table says."""
 
-from benchmarks.tidy.benchmark import nearest_first, room_lines
+from benchmarks.tidy.benchmark import nearest_first
 from benchmarks.tidy.doors import draw_door
+from benchmarks.tidy.report import room_table
 from benchmarks.tidy.rooms import draw_room, GAP
 from helpers.maps import walled_floor
 from helpers.objects import box
@@ -34,9 +35,11 @@ def test_the_nearest_object_comes_first() -> None:
 def test_the_table_counts_rooms_and_objects() -> None:
     """A room counts where all of its objects are at their goals."""
     row = {'count': 3, 'objects': 3, 'order': 'searched', 'touches': 1, 'moves': 4,
-           'duration': 100.0}
-    *_, line = room_lines([{**row, 'placed': 3}, {**row, 'placed': 2}])
+           'duration': 100.0, 'index': 7, 'reasons': 'bin 0: too narrow'}
+    *_, line, _, reason = room_table([{**row, 'placed': 3}, {**row, 'placed': 2}],
+                                     ['searched']).splitlines()
     assert line == '| 3, searched | 1 of 2 | 5 of 6 | 2 | 8 | 100 s |'
+    assert reason == '* room of 3 objects, 7, searched: bin 0: too narrow.'
 
 
 def test_what_blocks_a_door_is_moved_first() -> None:
