@@ -23,15 +23,16 @@ OPPOSITE = -0.9
 
 
 @compiled
-def is_dead_end(problem: Any, pose: Any) -> bool:
+def is_dead_end(scene: Any, pushes: Any, robot_margin: float, pose: Any) -> bool:
     """
     Tell whether the robot has no room where the object may have to be pushed next.
 
-    :param problem: ``Problem``.
+    :param scene: ``Scene``.
+    :param pushes: ``Pushes``.
+    :param robot_margin: clearance of the robot from obstacles [m].
     :param pose: (x, y, theta) of the object in the frame of the map.
     """
-    scene, pushes = problem.scene, problem.pushes
-    needed = scene.robot_radius + problem.margins.obstacles
+    needed = scene.robot_radius + robot_margin
     if clearance(scene.floor, pose[0], pose[1]) >= scene.outer_radius + STANDOFF + 2.0 * needed:
         return False
     if scene.vertices.shape[0] == 0:

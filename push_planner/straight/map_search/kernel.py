@@ -5,7 +5,8 @@ A node is a pose of the object, the face that was pushed last and the position o
 it. Its ``successors`` are the straight pushes whose first contact the robot reaches, as long as
 neither meets an obstacle. Nodes come in the order of g + w h, with the ``estimate`` h of what
 remains. The search ends at a node from which the floor is open up to the goal, or in a push that
-ends at the goal itself.
+ends at the goal itself. In front of a goal from which no push leads back it may end before, at the
+most promising node.
 """
 
 from push_dynamics.compiled import compiled
@@ -72,6 +73,19 @@ def search(problem: Problem, memory: Memory) -> int:
         counters[WORK] += EXPANSION_WORK
         if (counters[EXPANDED] >= query.max_expansions or counters[WORK] >= query.max_work
                 or free_nodes < 4 * problem.pushes.starts.shape[0]):
-            return LIMIT
+            return _most_promising(memory) if query.is_goal_enclosed else LIMIT
         expand(problem, memory, index)
     return EXHAUSTED
+
+
+@compiled
+def _most_promising(memory: Memory) -> int:
+    """
+    Find the node to go to next where pushes to the goal are known, but none that is likely to hit.
+
+    It need not be at the goal: the search starts anew from where the object is then.
+    """
+    for k in range(memory.counters[QUEUED]):
+        if memory.links[memory.items[k], FINAL] == 1:
+            return memory.items[0]
+    return LIMIT

@@ -10,6 +10,9 @@ from push_planner.straight.map_search.problem import CELL
 # turn; chosen.
 FINE_CELL, FINE_HEADINGS = 0.02, 72
 FINE_DISTANCE, FINE_ANGLE = 0.25, 0.6
+# The same on the way to a goal from which no push leads back; chosen.
+ENCLOSED_CELL, ENCLOSED_HEADINGS = 0.04, 48
+ENCLOSED_DISTANCE = 0.6
 
 
 @compiled
@@ -26,13 +29,16 @@ def cell_key(query: Any, pose: Any, face: int, is_disc: bool) -> int:
     if (abs(goal.x - pose[0]) < FINE_DISTANCE and abs(goal.y - pose[1]) < FINE_DISTANCE
             and abs(wrap_angles(goal.theta - pose[2])) < FINE_ANGLE):
         cell, headings, kind = FINE_CELL, FINE_HEADINGS, 1
+    elif (query.is_goal_enclosed and abs(goal.x - pose[0]) < ENCLOSED_DISTANCE
+          and abs(goal.y - pose[1]) < ENCLOSED_DISTANCE):
+        cell, headings, kind = ENCLOSED_CELL, ENCLOSED_HEADINGS, 2
     elif is_disc:
         # How a disc is turned matters only where it has no room to turn at its goal.
         headings, face = query.lattice.disc_headings, 0
     column, row = int(math.floor(pose[0] / cell)), int(math.floor(pose[1] / cell))
     heading = int(math.floor(pose[2] * headings / (2.0 * math.pi) + 0.5)) % headings
     key = (column * 1048576 + row) * 128 + heading
-    return (key * 64 + face) * 2 + kind
+    return (key * 64 + face) * 4 + kind
 
 
 @compiled

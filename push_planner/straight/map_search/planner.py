@@ -346,6 +346,10 @@ class _MapPlanner:
         if (remaining is None or request.cone_fraction < 1.0
                 or not remaining.continues_from(request.object_pose, request.goal)):
             return None
+        margins = next(self._margins())
+        if known.search.is_goal_enclosed(known.poses.start, known.poses.goal, margins):
+            # What a push has missed counts here.
+            return None
         first = remaining.pushes[0]
         options = np.flatnonzero(known.pushes.primitives == first.primitive)
         if not options.size:
@@ -358,7 +362,7 @@ class _MapPlanner:
         blocked[option] = False
         # The node of the object, from which only this push leads.
         result = known.search.run(
-            *known.poses, next(self._margins())._replace(max_expansions=2), blocked)
+            *known.poses, margins._replace(max_expansions=2), blocked)
         time = known.paths.travel_time(Pose(*known.pushes.starts[option].tolist()))
         away = np.hypot(*(result.nodes[1:, :2] - end[:2]).T)
         if away.min(initial=math.inf) > SAME_POSITION or not math.isfinite(time):
@@ -393,7 +397,8 @@ class _MapPlanner:
         return SearchSettings(
             GOAL_FRACTION * request.position_tolerance,
             FREE if request.is_heading_free else GOAL_FRACTION * request.heading_tolerance,
-            self._open_radius, contact_time, greatest_speed(self._robot, self._settings),
+            request.position_tolerance, self._open_radius, contact_time,
+            greatest_speed(self._robot, self._settings),
             costs.robot_speed)
 
     def _refuse(self, known: _Known, results: list[SearchResult]) -> PlanningFailed:

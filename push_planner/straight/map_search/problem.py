@@ -59,6 +59,7 @@ class SearchSettings(NamedTuple):
 
     :param position_tolerance: distance from the goal at which a push ends there [m].
     :param heading_tolerance: likewise [rad]; ``FREE`` where any heading does.
+    :param accepted_error: distance from the goal at which the task ends [m].
     :param open_radius: clearance from which on the floor counts as open [m].
     :param contact_time: of a contact besides pushing and driving [s].
     :param pushing_speed: [m/s].
@@ -68,6 +69,7 @@ class SearchSettings(NamedTuple):
 
     position_tolerance: float
     heading_tolerance: float
+    accepted_error: float
     open_radius: float
     contact_time: float
     pushing_speed: float
@@ -87,6 +89,7 @@ class Query(NamedTuple):
     :param object_margin: clearance of the object [m], but at start and goal.
     :param std_factor: standard deviations of a vertex that are added to it.
     :param goal_margin: clearance of the goal, to which a push may keep there [m].
+    :param is_goal_enclosed: whether the goal is near, and no push leads back from it.
     :param closing_time: that the cost-to-go of open floor has in excess at ``CLOSE_DISTANCE`` [s].
     :param max_expansions: number of nodes that are expanded at most.
     :param max_work: that they take at most [grid points of the robot's paths].
@@ -103,6 +106,7 @@ class Query(NamedTuple):
     object_margin: float
     std_factor: float
     goal_margin: float
+    is_goal_enclosed: bool
     closing_time: float
     max_expansions: int
     max_work: int

@@ -6,8 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from push_model.geometry import FloatArray, Pose
+from push_model.geometry import distance, FloatArray, Pose
 from push_navigation.map_clearance import CERTAIN, PositionUncertainty
+from push_planner.straight.map_search.dead_ends import is_dead_end
 from push_planner.straight.map_search.estimate import CLOSE_DISTANCE, CONTACT_DISTANCE, estimate
 from push_planner.straight.map_search.kernel import EXHAUSTED, LIMIT, search
 from push_planner.straight.map_search.object_distance import DistanceGrid, UNREACHED
@@ -34,6 +35,9 @@ WINDOW_MARGINS = 2.0, 10.0
 MAX_HALF = 1000
 # Places in the queue of grid points that wait; the rim of the area that is filled is shorter.
 QUEUE_SIZE = 1 << 16
+# Distance from which on the pushes to a goal are planned for what cannot be corrected there [m];
+# chosen: those before it are planned anew until then.
+CAUTIOUS_RANGE = 1.2
 # Length of a path along rows, columns and diagonals over that of the straight one, at most.
 GRID_LENGTHENING = math.sqrt(4.0 - 2.0 * math.sqrt(2.0))
 # Bearings of the goal over which the cost-to-go is averaged [rad].
@@ -180,13 +184,20 @@ class MapSearch:
             RobotMargins(margins.robot, margins.robot_to_object), _first_margins(margins),
             Query(start, robot, goal, self._settings, margins.lattice,
                   object_margin=margins.object, std_factor=margins.std_factor,
-                  goal_margin=self._clearance(goal), closing_time=self._closing_time,
+                  goal_margin=self._clearance(goal),
+                  is_goal_enclosed=self.is_goal_enclosed(start, goal, margins),
+                  closing_time=self._closing_time,
                   max_expansions=margins.max_expansions, max_work=margins.max_work, half=half,
                   first_half=first_half))
         return problem, memory
 
     def _clearance(self, pose: Pose) -> float:
         return float(least_gap(object_clearance(self._scene, *pose, ENOUGH)))
+
+    def is_goal_enclosed(self, start: Pose, goal: Pose, margins: Margins) -> bool:
+        """Tell whether the goal is near, and no push leads back from it; not of a disc."""
+        return (distance(start, goal) < CAUTIOUS_RANGE and len(self._scene.vertices) > 0
+                and bool(is_dead_end(self._scene, self._pushes, margins.robot, goal)))
 
     def _result(self, problem: Problem, memory: Memory, end: int) -> SearchResult:
         ends = {EXHAUSTED: SearchEnd.EXHAUSTED, LIMIT: SearchEnd.LIMIT}
@@ -243,12 +254,12 @@ def _first_margins(margins: Margins) -> RobotMargins:
 
 def _closing_time(cost_to_go: CostToGo, settings: SearchSettings) -> float:
     """Mean excess of the cost-to-go of open floor, the object turned as at the goal [s]."""
-    distance = CLOSE_DISTANCE
-    times = [cost_to_go.at(Pose(distance * math.cos(bearing), distance * math.sin(bearing), 0.0),
+    away = CLOSE_DISTANCE
+    times = [cost_to_go.at(Pose(away * math.cos(bearing), away * math.sin(bearing), 0.0),
                            face)
              for bearing in BEARINGS for face in range(len(cost_to_go.values))]
-    counted = distance * (1.0 / settings.pushing_speed
-                          + settings.contact_time / CONTACT_DISTANCE)
+    counted = away * (1.0 / settings.pushing_speed
+                      + settings.contact_time / CONTACT_DISTANCE)
     return max(0.0, float(np.mean(times)) - counted)
 
 

@@ -9,6 +9,7 @@ from typing import Any
 
 from push_dynamics.compiled import compiled
 from push_navigation.floor import clearance
+from push_planner.straight.map_search.chance import failure_cost
 from push_planner.straight.map_search.dead_ends import is_dead_end, STANDOFF
 from push_planner.straight.map_search.estimate import estimate, heading_error
 from push_planner.straight.map_search.lattice import cell_key, find_slot
@@ -33,6 +34,8 @@ FINAL_RANGE = 0.6
 # than the object is before it; chosen: the correction that it needs counts in its cost, as this
 # part of a contact for each tolerance.
 MAX_MISS, MISS_RATIO = 5.0, 0.33
+# The same ratio where no push leads back from the goal: anything better is worth a push; chosen.
+ENCLOSED_MISS_RATIO = 0.8
 MISS_COST = 0.4
 # Time that the standard deviation of a last push costs [s/m], as what it misses has to be
 # corrected; chosen: 1 cm counts as a fifth of a contact.
@@ -111,7 +114,8 @@ def _find_final_length(query: Any, means: Any, lengths: Any, last_step: int, nod
     d_x, d_y = query.goal.x - node[X], query.goal.y - node[Y]
     x, y, theta = c * d_x + s * d_y, c * d_y - s * d_x, heading_error(query, node[THETA])
     before = _squared_miss(query, x, y, theta)
-    least = min(MAX_MISS * MAX_MISS, max(1.0, MISS_RATIO * MISS_RATIO * before))
+    ratio = ENCLOSED_MISS_RATIO if query.is_goal_enclosed else MISS_RATIO
+    least = min(MAX_MISS * MAX_MISS, max(1.0, ratio * ratio * before))
     length = 0.0
     for step in range(1, last_step + 1):
         first, last = means[step - 1], means[step]
@@ -179,8 +183,9 @@ def _add_pushes(problem: Any, memory: Any, parent: int, option: int, travel: flo
             memory.pose[0], memory.pose[1] = query.goal.x, query.goal.y
             memory.pose[2] = _final_heading(query, pushes.means[stage, option, step], node)
             if _has_room_at_goal(problem, memory.pose):
-                correction = (STD_COST * pushes.stds[stage, option, step]
-                              + MISS_COST * query.settings.contact_time * memory.final[MISS])
+                std, miss = pushes.stds[stage, option, step], memory.final[MISS]
+                correction = (STD_COST * std + MISS_COST * query.settings.contact_time * miss
+                              + failure_cost(query, miss, std, 0.0))
                 _append(problem, memory, parent, option, final_length,
                         cost + final_length / query.settings.pushing_speed + correction)
         if length < FIRST_SWEEP:
@@ -189,7 +194,7 @@ def _add_pushes(problem: Any, memory: Any, parent: int, option: int, travel: flo
         if not _is_free(problem, memory, parent, option, step):
             return
         if (is_dense or pushes.coarse[option]) and pushes.is_end[step]:
-            _add_node(problem, memory, parent, option, length,
+            _add_node(problem, memory, parent, option, step,
                       cost + length / query.settings.pushing_speed)
 
 
@@ -245,12 +250,16 @@ def _robot_position(start: Any, node: Any, length: float) -> tuple[float, float]
 
 
 @compiled
-def _add_node(problem: Any, memory: Any, parent: int, option: int, length: float,
+def _add_node(problem: Any, memory: Any, parent: int, option: int, step: int,
               cost: float) -> None:
     """Add the end of a push, unless one in the same cell of the lattice is as cheap."""
-    pose = memory.pose
-    is_disc = problem.scene.vertices.shape[0] == 0
-    if is_dead_end(problem, pose):
+    pose, query, scene, pushes = memory.pose, problem.query, problem.scene, problem.pushes
+    length = pushes.lengths[step]
+    is_disc = scene.vertices.shape[0] == 0
+    remaining = math.sqrt((query.goal.x - pose[0]) ** 2 + (query.goal.y - pose[1]) ** 2)
+    if query.is_goal_enclosed and remaining < FINAL_RANGE:
+        cost += failure_cost(query, 0.0, pushes.stds[_stage(parent), option, step], remaining)
+    elif is_dead_end(scene, pushes, problem.margins.obstacles, pose):
         cost += DEAD_END_COST
     cell = cell_key(problem.query, pose, problem.pushes.faces[option], is_disc)
     slots, slot = memory.slots, find_slot(memory.slots, cell)

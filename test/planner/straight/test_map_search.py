@@ -165,12 +165,12 @@ def test_an_object_that_is_shut_in_is_named():
 
 def test_an_object_without_a_face_is_told_how_far_off_its_goal_it_is() -> None:
     """The numbers are those of the poses; the sentence has them where the goal is near."""
-    here, goal = Pose(-2.72, -2.72, 0.0), Pose(-2.70, -2.72, -0.1)
+    here, goal = Pose(-2.72, -2.72, 0.0), Pose(-2.70, -2.72, -0.01)
     refused = refusal(walled_room(), goal, here=here)
     assert refused.code is PlanFailure.NO_FACE
     assert refused.report['position_error'] == pytest.approx(0.02)
-    assert refused.report['heading_error'] == pytest.approx(0.1)
-    assert '20 mm and 5.7 degrees from its goal' in refused.reason
+    assert refused.report['heading_error'] == pytest.approx(0.01)
+    assert '20 mm and 0.6 degrees from its goal' in refused.reason
     assert 'goal' not in refusal(walled_room(), Pose(1.0, 1.0, 0.0), here=here).reason
 
 

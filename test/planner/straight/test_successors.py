@@ -27,8 +27,8 @@ pytestmark = pytest.mark.slow
 BOX = box()
 ROBOT = RoundRobot(radius=0.17, max_speed=0.3, max_yaw_rate=1.9, max_acceleration=0.9)
 MARGINS = Margins(object=0.02, std_factor=0.0, robot=0.03, robot_to_object=0.03)
-SETTINGS = SearchSettings(0.01, 0.02, open_radius=1.0, contact_time=4.0, pushing_speed=0.2,
-                          robot_speed=0.3)
+SETTINGS = SearchSettings(0.01, 0.02, accepted_error=0.015, open_radius=1.0, contact_time=4.0,
+                          pushing_speed=0.2, robot_speed=0.3)
 # Object, robot and goal, in the frame of a map whose middle is (3, 3).
 POSES = Pose(1.6, 3.2, 0.4), Pose(2.1, 2.1, 1.0), Pose(4.4, 3.3, 1.0)
 # A room with a wall across it and a door, and a table.
