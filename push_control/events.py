@@ -81,6 +81,7 @@ class TaskEvent(Cause):
     PLANNING_FAILED_FOR_LONG = 'aborted: planning failed for {duration:g} s: {reason}'
     # What measurements have to do with it.
     ABORTED_INCONSISTENT = '{abort}; {inconsistency}'
+    ABORTED_AFTER = '{abort}; before that: {disturbance}'
 
 
 # A task with one of these has done what it could: people are informed, not warned.
@@ -122,6 +123,9 @@ class PerceptionEvent(Cause):
     POSES_JUMPED_ELSEWHERE = (
         '{contacts}, which have jumped by {distance:.2f} m and {rotation:.0f} deg: they are of '
         'another object or of the robot, mirrored or in other axes, or the robot is elsewhere')
+    POSES_JUMPED = (
+        'object poses have jumped by {distance:.2f} m and {rotation:.0f} deg: somebody has moved '
+        'the object, or they are of another one')
     ODOMETRY_TOO_LARGE = (
         'odometry means {percentage:.0f} % more motion than there is, as where wheels slip')
     ODOMETRY_TOO_SMALL = (

@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 from benchmarks.faults.expectations import Notice, notices
 from benchmarks.faults.row import append_line, Ending, read_lines, violation_text
-from benchmarks.faults.verdict import Violation
+from benchmarks.faults.verdict import BRAKING_TIME, Violation
 from diagnostic_msgs.msg import DiagnosticArray
 from nav_msgs.msg import Odometry
 import numpy as np
@@ -241,6 +241,7 @@ class ProcessRig:
         self._strike(fault)
         while not self._has_ended(struck_at):
             self._client.pump()
+        self._await_rest()
         ending = {TaskState.DONE: Ending.DONE, TaskState.FAILED: Ending.FAILED}.get(
             monitor.state, Ending.WAITS)
         reason, codes = monitor.reason or monitor.error, monitor.codes
@@ -298,6 +299,12 @@ class ProcessRig:
         is_quiet = monitor.stands and now - monitor.changed_at > WAITING_TIME
         is_up = monitor.nodes >= MODULES.keys() and now - monitor.odometry_at < 1.0
         return is_up and is_quiet or now - struck_at > OBSERVATION_TIME
+
+    def _await_rest(self) -> None:
+        """Let a robot brake whose task has ended, as slowly as a weak base does."""
+        end = time.monotonic() + BRAKING_TIME
+        while not self._monitor.stands and time.monotonic() < end:
+            self._client.pump()
 
     def _pump(self, duration: float) -> None:
         end = time.monotonic() + duration

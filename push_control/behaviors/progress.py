@@ -244,6 +244,11 @@ class ProgressMonitor:
         """Tell whether the wheels have spun at a push since the object last came nearer."""
         return self._spins > 0
 
+    @property
+    def is_light(self) -> bool:
+        """Tell whether a push has moved the object farther than what is too heavy moves."""
+        return self._is_light
+
     def forget_safety_stops(self) -> None:
         """Count stops from zero again: somebody has looked after the robot."""
         self._safety_stops = 0

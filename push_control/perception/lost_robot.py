@@ -121,6 +121,15 @@ class LostRobotMonitor:
         return self._have_poses_jumped
 
     @property
+    def pose_jump(self) -> Report[PerceptionEvent] | None:
+        """Jump of the object poses in this task that they did not take back, or None."""
+        shift = self._displacements.shift
+        if shift is None or not self._have_poses_jumped:
+            return None
+        return PerceptionEvent.POSES_JUMPED.report(
+            distance=math.hypot(shift.x, shift.y), rotation=math.degrees(abs(shift.theta)))
+
+    @property
     def is_object_unyielding(self) -> bool:
         """Tell whether a robot that seems to be where it should has pushed without effect."""
         return (self._is_undisturbed and not self._have_poses_jumped

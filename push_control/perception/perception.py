@@ -430,6 +430,11 @@ class TaskPerception(RawPerception):
         """Tell whether object poses have jumped in this task."""
         return self._monitor.have_poses_jumped
 
+    @property
+    def pose_jump(self) -> Report[PerceptionEvent] | None:
+        """Jump of the object poses in this task that they did not take back, or None."""
+        return self._monitor.pose_jump
+
     # Is the robot where it is localized?
 
     @property

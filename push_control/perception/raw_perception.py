@@ -196,6 +196,11 @@ class RawPerception:
         return False
 
     @property
+    def pose_jump(self) -> Report[PerceptionEvent] | None:
+        """Jump of the object poses in this task that they did not take back, or None."""
+        return None
+
+    @property
     def is_object_unyielding(self) -> bool:
         """Tell whether a push to no effect has shown that the object does not yield."""
         return False

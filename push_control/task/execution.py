@@ -14,7 +14,7 @@ from push_base.push_force import force_warning
 from push_control.behaviors.behavior import Abort, Behavior, MeasurementNeed, NoPushNeeded, Stand
 from push_control.behaviors.failures import BehaviorFailure, FailureReport
 from push_control.behaviors.progress import ProgressMonitor
-from push_control.events import TaskEvent
+from push_control.events import PerceptionEvent, TaskEvent
 from push_control.goal import TaskFailure, TaskGoal
 from push_control.perception.object_at_rest import has_moved
 from push_control.perception.object_knowledge import ObjectKnowledge
@@ -35,6 +35,7 @@ from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectEstimate, STOP, Twist
 from push_model.trajectory import PushTrajectory
 from push_navigation.settings import DriveSettings
+from push_safety.status import SafetyReport
 
 # Time after the end of a steered push from which on the object may be at rest [s]; chosen: longer
 # than the latency of its poses (0.08 s in the scenarios), and than it slides on.
@@ -42,6 +43,9 @@ SETTLING_TIME = 0.3
 # What shows that the robot is too weak for the object.
 TOO_WEAK = (BehaviorFailure.WHEELS_SPIN, BehaviorFailure.OBJECT_UNYIELDING,
             BehaviorFailure.BASE_STALLS)
+# Ends of a task that an earlier fault of measurements or base may be behind.
+CONSEQUENCES = (TaskFailure.NO_PLAN, TaskFailure.NO_PROGRESS, TaskFailure.TOO_HEAVY,
+                TaskFailure.PUSH_FAILED)
 
 
 class _Answer(NamedTuple):
@@ -92,6 +96,8 @@ class TaskExecution:
         self._restart: Report[TaskEvent] | None = None
         # Whether what it pushes has stopped the robot just now, and it backs off.
         self._backs_off = False
+        # Why the safety layer last stopped the robot in this task.
+        self._last_stop: SafetyReport | None = None
         # Status of the last push that has ended.
         self._last_push = ControllerStatus()
         self._answer = _Answer()
@@ -332,6 +338,7 @@ class TaskExecution:
         self._goal = goal
         self._stated = None
         self._machine.start_task()
+        self._last_stop = None
         self._enter(TaskState.PLAN, TaskEvent.NEW_GOAL.report(), is_requested=True)
         return True
 
@@ -363,6 +370,10 @@ class TaskExecution:
         inconsistency = self._perception.pose_inconsistency or self._restart
         if self._force_warning or inconsistency is None:
             return cause
+        if self._progress.is_light or self._perception.have_poses_jumped:
+            # The object was moved before: it is elsewhere rather than too heavy.
+            return TaskEvent.ABORTED.report(reason=PerceptionEvent.INCONSISTENCIES.report(
+                first=inconsistency, second=failure))
         return TaskEvent.ABORTED_INCONSISTENT.report(abort=cause, inconsistency=inconsistency)
 
     def _recover(self, cause: AnyReport, failure: TaskFailure = TaskFailure.PUSH_FAILED) -> None:
@@ -382,7 +393,17 @@ class TaskExecution:
         self._enter(next_state, cause)
 
     def _abort(self, failure: TaskFailure | None, cause: AnyReport) -> None:
+        if failure in CONSEQUENCES:
+            cause = self._with_disturbance(cause)
         self._enter(TaskState.FAILED, cause, failure=failure)
+
+    def _with_disturbance(self, cause: AnyReport) -> AnyReport:
+        """Add what was wrong with measurements or base in this task, unless that is said."""
+        disturbance = self._perception.pose_jump or self._last_stop
+        if disturbance is None or disturbance.code in cause.codes or any(
+                isinstance(code, PerceptionEvent) for code in cause.codes):
+            return cause
+        return TaskEvent.ABORTED_AFTER.report(abort=cause, disturbance=disturbance)
 
     def _enter(self, state: TaskState, cause: AnyReport | None = None, *,
                is_requested: bool = False, failure: TaskFailure | None = None) -> None:

@@ -52,6 +52,7 @@ class Supervisor(TaskExecution):
         self._progress = ProgressMonitor(self._progress.settings, self._progress.aim)
         self._perception.forget_contacts()
         self._machine.start_task()
+        self._last_stop = None
         if self.state is not TaskState.PAUSED:
             self._enter(self._machine.restart_state, self._new_goal_report(), is_requested=True)
 
@@ -243,6 +244,8 @@ class Supervisor(TaskExecution):
         self._behavior.on_safety_report(fault, stop)
         self._backs_off = False
         is_new = self._reasons.on_stop(stop, self._perception.time)
+        if is_new and not self.state.is_standing:
+            self._last_stop = stop
         may_act = not self.state.is_standing and not self._behavior.handles_stops
         if stop is not None and is_new and may_act and not self.awaits_resume:
             self._end_behavior(stop)

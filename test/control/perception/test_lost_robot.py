@@ -192,6 +192,21 @@ def test_a_mistake_of_the_tracker_is_undone_once_it_is_over(
     assert (lost.inconsistency is None) == restores
 
 
+def test_a_jump_of_the_poses_is_named_until_they_take_it_back_or_another_task_starts() -> None:
+    """By its distance and its rotation."""
+    for ending in (ObjectPoseAccepted(ObjectPose(0.2, HOME)), TaskStarted()):
+        lost = monitor()
+        lost.observe(ObjectPoseAccepted(ObjectPose(0.0, HOME)))
+        assert lost.pose_jump is None
+        lost.observe(ObjectPoseAccepted(ObjectPose(0.1, Pose(0.3, -0.4, 1.0))))
+        jump = lost.pose_jump
+        assert jump is not None and jump.code is PerceptionEvent.POSES_JUMPED
+        assert jump.values['distance'] == pytest.approx(0.5)
+        assert jump.values['rotation'] == pytest.approx(math.degrees(1.0))
+        lost.observe(ending)
+        assert lost.pose_jump is None
+
+
 def test_what_is_driven_after_an_outlier_explains_no_displacement() -> None:
     """The object was elsewhere by then."""
     explained, rejected = monitor(), monitor()

@@ -14,6 +14,7 @@ from push_control.task.supervisor import Supervisor
 from push_model.events import PushEvent
 from push_model.geometry import distance, Pose
 from push_model.observation import Observation
+from push_model.plan_request import PlanFailure
 from push_model.signals import ObjectPose, Odometry, STOP, Twist
 from push_safety.status import SafetyReason
 from push_scenario.definition.loader import load_scenario
@@ -115,6 +116,25 @@ def test_a_robot_that_is_stopped_again_and_again_fails_with_the_reason():
     assert made.status.state is TaskState.FAILED
     assert made.status.failure is TaskFailure.ROBOT_STOPPED
     assert made.status.codes == (TaskEvent.ABORTED, SafetyReason.FOLLOWS_LATE)
+
+
+def test_a_task_that_fails_names_what_stopped_the_robot_before() -> None:
+    """It may be why; a stop in an earlier task is none of its reasons."""
+    made, stop = supervisor(), SafetyReason.FOLLOWS_LATE.report(delay=0.5)
+    for is_later_task in (False, True):
+        if is_later_task:
+            made.set_goal(SCENARIO.goal.pose)
+        else:
+            made.on_safety_report(None, stop)
+            made.on_safety_report(None, None)
+        time = made.perception.time + PERIOD
+        while made.state is not TaskState.FAILED and time < 60.0:
+            made.step(measured(time), PERIOD)
+            if made.plan_request is not None:
+                made.on_planning_failed(PlanFailure.NO_FEASIBLE_SITE, 'no site')
+            time += PERIOD
+        assert made.status.failure is TaskFailure.NO_PLAN
+        assert (SafetyReason.FOLLOWS_LATE in made.status.codes) is not is_later_task
 
 
 JUMP = SafetyReason.ODOMETRY_JUMPED.report(distance=2.0, rotation=90.0)
