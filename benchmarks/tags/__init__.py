@@ -1,0 +1,1 @@
+"""Benchmark of the detector of tags, by images of MuJoCo."""
