@@ -13,7 +13,6 @@ BLOCKED = 0
 REPORT = Path('docs/reports/tidy.md')
 TEMPLATE = Path(__file__).with_name('tidy.md.in')
 NOT_MEASURED = 'not measured'
-NAMES = [f'{part}{kind}' for part in ('ORDERS', 'ROOMS', 'DOORS') for kind in ('', 'OPTIONS')]
 
 
 def order_table(rows: Sequence[Row]) -> str:
@@ -68,8 +67,14 @@ def write_part(part: str, options: str, table: str) -> None:
     :param part: which was measured.
     :param options: of the command.
     """
-    values = dict.fromkeys(NAMES, NOT_MEASURED)
-    values[part.upper()], values[f'{part.upper()}OPTIONS'] = table, options
+    measured = {part: table, f'{part} options': options}
+
+    def value_of(name: str) -> str:
+        return measured.get(name, NOT_MEASURED)
+    page = fill_template(
+        TEMPLATE, ORDERS=value_of('orders'), ORDERSOPTIONS=value_of('orders options'),
+        ROOMS=value_of('rooms'), ROOMSOPTIONS=value_of('rooms options'),
+        DOORS=value_of('doors'), DOORSOPTIONS=value_of('doors options'))
     previous = REPORT.read_text(encoding='utf-8') if REPORT.is_file() else ''
-    REPORT.write_text(updated_page(TEMPLATE, fill_template(TEMPLATE, **values), previous,
+    REPORT.write_text(updated_page(TEMPLATE, page, previous,
                                    lambda _, value: value == NOT_MEASURED), encoding='utf-8')

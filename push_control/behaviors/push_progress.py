@@ -86,6 +86,7 @@ class PushProgress:
     :param stopping_time: since the robot brakes [s].
     :param steering_time: since the arc was chosen [s].
     :param speed: of the robot [m/s].
+    :param followed_speed: of the robot in the direction that it is commanded [m/s].
     :param pushed: distance that the robot has driven in contact [m].
     :param driven: displacement of the robot since the touch, in the world [m].
     :param before: the ``ObjectAtRest`` before the push.
@@ -121,6 +122,7 @@ class PushProgress:
     stopping_time: float = 0.0
     steering_time: float = 0.0
     speed: float = 0.0
+    followed_speed: float = 0.0
     pushed: float = 0.0
     driven: tuple[float, float] = (0.0, 0.0)
     before: ObjectAtRest = UNMEASURED

@@ -187,7 +187,7 @@ class StraightPush(Behavior[TaskPerception]):
         # commands.
         is_fast = commanded > MAX_LEAST_SPEED or self._is_at_wall
         is_stalled = not progress.has_moved or (
-            is_fast and progress.speed < MAX_SPIN_RATIO * commanded)
+            is_fast and progress.followed_speed < MAX_SPIN_RATIO * commanded)
         if not (stop.code.is_of_motion and is_at_object and is_stalled):
             return None
         return self._hold_up or BehaviorFailure.BASE_STALLS.report()
@@ -286,7 +286,10 @@ class StraightPush(Behavior[TaskPerception]):
                      dt: float) -> PushProgress:
         """Add what the robot has driven since the last step."""
         odometry, driven = perception.observation.odometry, progress.driven
-        speed = math.hypot(odometry.twist.v_x, odometry.twist.v_y)
+        measured, command = odometry.twist, self._command
+        speed, commanded = math.hypot(*measured[:2]), math.hypot(*command[:2])
+        along = command.v_x * measured.v_x + command.v_y * measured.v_y
+        followed = along / commanded if commanded > 0.0 else 0.0
         pushed = speed * dt if progress.stage is Stage.PUSHING else 0.0
         if progress.stage is not Stage.RUN_IN:
             v_x, v_y = perception.robot_pose.rotate(odometry.twist[:2])
@@ -297,8 +300,9 @@ class StraightPush(Behavior[TaskPerception]):
         final_speed = math.hypot(*predicted.velocity[:2])
         return dataclasses.replace(
             progress, time=progress.time + dt, steering_time=progress.steering_time + dt,
-            stopping_time=progress.stopping_time + stopped, speed=speed, driven=driven,
-            pushed=progress.pushed + pushed, course=progress.course._replace(
+            stopping_time=progress.stopping_time + stopped, speed=speed,
+            followed_speed=followed, driven=driven, pushed=progress.pushed + pushed,
+            course=progress.course._replace(
                 remaining=max(0.0, progress.course.remaining - pushed)),
             pending_distance=pending,
             is_pending=perception.base.has_pending_motion(perception.time),

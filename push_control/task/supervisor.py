@@ -244,20 +244,23 @@ class Supervisor(TaskExecution):
         self._behavior.on_safety_report(fault, stop)
         self._backs_off = False
         is_new = self._reasons.on_stop(stop, self._perception.time)
-        if is_new and not self.state.is_standing:
-            self._last_stop = stop
-        may_act = not self.state.is_standing and not self._behavior.handles_stops
-        if stop is not None and is_new and may_act and not self.awaits_resume:
+        if stop is None or not is_new or self.state.is_standing:
+            return
+        may_act = not self._behavior.handles_stops and not self.awaits_resume
+        failure = self._behavior.stop_failure(stop) if may_act else None
+        if failure is not None:
+            # The object has stopped the robot: nothing is wrong with its base.
+            self._end_after_failure(failure)
+            self._progress.allow_request()
+            self._backs_off = self.state is TaskState.RETREAT
+            return
+        self._last_stop = stop
+        if may_act:
             self._end_behavior(stop)
 
     def _end_behavior(self, stop: SafetyReport) -> None:
         """Give up what the robot does, or the task where that was too often."""
-        failure = self._behavior.stop_failure(stop)
-        if failure is not None:
-            self._end_after_failure(failure)
-            self._progress.allow_request()
-            self._backs_off = self.state is TaskState.RETREAT
-        elif self._progress.count_safety_stop():
+        if self._progress.count_safety_stop():
             self._abort(TaskFailure.ROBOT_STOPPED, TaskEvent.ABORTED.report(reason=stop))
         else:
             self._recover(stop)
