@@ -34,7 +34,7 @@ OF_THE_ENGINE = {'wheel_creep': 0.0, 'stall_force': math.inf, 'yaw_stiffness': m
 
 class WheelOdometry:
     """
-    Pose by the ticks of both wheels.
+    Pose by the ticks of both wheels; the heading by a gyro, where the robot has one.
 
     ``pose``: ``Pose`` by what was counted, its angle not wrapped.
 
@@ -48,11 +48,12 @@ class WheelOdometry:
         self._tick = 2.0 * math.pi / robot.ticks_per_turn
         self._counts: tuple[float, float] | None = None
 
-    def count(self, angles: tuple[float, float]) -> None:
+    def count(self, angles: tuple[float, float], rotation: float) -> None:
         """
         Read the ticks, and add the arc that both wheels have gone since.
 
         :param angles: of the wheels (left, right) [rad].
+        :param rotation: of the robot since, as a gyro without errors has it [rad].
         """
         counts = math.floor(angles[0] / self._tick), math.floor(angles[1] / self._tick)
         before = self._counts or counts
@@ -60,6 +61,8 @@ class WheelOdometry:
         left, right = ((now - then) * self._tick * self._robot.wheel_radius
                        for now, then in zip(counts, before))
         arc = twist_of_wheels(left, right, self._robot.track)
+        if self._robot.has_gyro:
+            arc = arc._replace(omega=(1.0 + self._robot.gyro_scale) * rotation)
         x, y = chord_velocity(self.pose.theta, *arc, 1.0)
         self.pose = Pose(self.pose.x + x, self.pose.y + y, self.pose.theta + arc.omega)
 
@@ -70,7 +73,8 @@ class EnginePlant(Plant):
 
     The robot has the outline, the drive and the base's imperfections that ``Plant`` is given, but
     its wheels slip by the friction and the motors of the ``SimulatedRobot``. Odometry counts the
-    ticks of the wheels; that of a holonomic base is what it is asked for.
+    ticks of the wheels, with the heading of a gyro where there is one; that of a holonomic base is
+    what it is asked for.
 
     ``engine``: the ``WheeledPlant``.
 
@@ -105,6 +109,7 @@ class EnginePlant(Plant):
         self._drive = drive_values(robot) if self._imperfect_drive is None else IMMEDIATE_DRIVE
         self._asked = STOP
         self._eye = eye
+        self._has_gyro = base.drive == 'differential' and base.has_gyro
         self._odometry = WheelOdometry(base, self.robot_pose)
         self._asked_pose = self.robot_pose
         self._foot_pairs = [self.engine.pair_index('floor', f'foot{i}')
@@ -148,8 +153,10 @@ class EnginePlant(Plant):
 
     @property
     def odometry_twist(self) -> Twist:
-        """Velocity of the robot by what its wheels are asked to turn, own axes."""
-        return self._asked
+        """Velocity of the robot by what its wheels are asked to turn, and its gyro; own axes."""
+        if not self._has_gyro:
+            return self._asked
+        return self._asked._replace(omega=self.engine.twist.omega)
 
     def _follow(self, duration: float, command: Twist) -> None:
         """Move on while the motors hold the speeds that the drive, with its lag, asks for."""
@@ -166,10 +173,11 @@ class EnginePlant(Plant):
                                   step)
             self._asked_pose = Pose(asked.x + x * step, asked.y + y * step,
                                     asked.theta + tracked.mean_omega * step)
+        robot_pose = _continued(self.robot_pose, self.engine.pose)
         if self.robot.drive == 'differential':
-            self._odometry.count(self.engine.wheel_angles)
-        self.stand_at(_continued(self.object_pose, self.engine.object_pose),
-                      _continued(self.robot_pose, self.engine.pose))
+            self._odometry.count(self.engine.wheel_angles,
+                                 robot_pose.theta - self.robot_pose.theta)
+        self.stand_at(_continued(self.object_pose, self.engine.object_pose), robot_pose)
         self.set_velocities(self.engine.object_twist, self.engine.twist)
 
 

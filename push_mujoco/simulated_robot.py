@@ -61,6 +61,9 @@ class SimulatedRobot:
                                        'm/s^2', above=0.0, high=100.0, default=0.9)
     ticks_per_turn: float = quantity('steps that odometry counts in a turn of a wheel', '', 1.0,
                                      1e6, default=500.0)
+    has_gyro: bool = quantity('whether odometry takes the heading from a gyro, not from ticks',
+                              default=False)
+    gyro_scale: float = quantity('relative error of the gyro', '', -0.1, 0.1, default=0.005)
     caster_x: float = quantity('where the caster stands', 'm', -2.0, 2.0, default=0.125)
     caster_radius: float = quantity('radius of the caster', 'm', above=0.0, high=1.0, default=0.01)
     caster_friction: float = quantity('coefficient between caster and floor', '', 0.0, 3.0,

@@ -16,7 +16,7 @@ from tqdm import tqdm
 HEADER = ('| camera | tolerance | within it, truly | done, but not within | distance to the goal: '
           'median, greatest | time, median |\n| --- | --- | --- | --- | --- | --- |')
 DESCRIPTIONS: dict[View, str] = {
-    'robot': 'on the robot; its place by the ticks of its wheels alone',
+    'robot': 'on the robot; its place by the ticks of its wheels and a gyro',
     'located_robot': 'on the robot; its place known to 1 mm and 0.1 degrees',
     'room': 'in the room, 1.6 m above the floor'}
 

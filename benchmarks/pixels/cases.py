@@ -50,7 +50,7 @@ class Tolerance(NamedTuple):
     heading: float
 
 
-# A camera on the robot, whose place is known by the ticks of its wheels alone, or to a millimetre
+# A camera on the robot, whose place is known by ticks of its wheels and a gyro, or to a millimetre
 # as by motion capture; and a camera in the room.
 View = Literal['robot', 'located_robot', 'room']
 VIEWS: tuple[View, ...] = get_args(View)
@@ -141,7 +141,7 @@ def sensors_of(view: View) -> SensorSettings:
         mount_y=camera.y, mount_heading=camera.heading, half_angle=camera.view_angle / 2,
         nearest=0.0 if is_fixed else NEAREST, noise_per_distance=NOISE_PER_DISTANCE,
         heading_noise_per_distance=HEADING_NOISE_PER_DISTANCE)
-    # The wheels slip, and their ticks are all that there is of the robot's motion.
+    # The wheels slip, and their ticks are all that there is of the way that the robot goes.
     return SensorSettings(pose_rate=RATE, pose_latency=LATENCY, pose_noise=0.001,
                           pose_heading_noise=0.003, camera=camera_settings,
                           odometry_reference='absolute' if view == 'located_robot' else 'drifting')

@@ -91,12 +91,29 @@ def test_wheels_that_slip_count_on() -> None:
     assert 20.0 * 9.81 * 0.3 > TURTLEBOT_4.traction > 2.0 * 9.81 * 0.3
 
 
-def test_ticks_and_motion_agree_in_a_turn() -> None:
-    plant = engine_plant()(BOX, CREATE, Pose(2.0, 0.0, 0.0), Pose(0.0, 0.0, 0.0))
+@pytest.mark.parametrize('has_gyro', [False, True])
+def test_odometry_and_motion_agree_in_a_turn(has_gyro: bool) -> None:
+    robot = dataclasses.replace(TURTLEBOT_4, has_gyro=has_gyro)
+    plant = engine_plant(robot)(BOX, CREATE, Pose(2.0, 0.0, 0.0), Pose(0.0, 0.0, 0.0))
     pushed(plant, Twist(0.1, 0.0, 1.5), 5.0)
     assert plant.robot_pose.theta > 6.9
-    assert plant.odometry_pose.theta == pytest.approx(plant.robot_pose.theta, abs=0.03)
+    error = plant.odometry_pose.theta - plant.robot_pose.theta
+    assert abs(error) < 0.03 or has_gyro
+    assert not has_gyro or error == pytest.approx(
+        robot.gyro_scale * plant.robot_pose.theta, abs=1e-6)
     assert distance(plant.odometry_pose, plant.robot_pose) < 5e-3
+
+
+def test_a_gyro_knows_the_heading_of_wheels_that_slip() -> None:
+    """A push in a bend takes more than they hold: by ticks alone the robot has turned farther."""
+    errors: list[float] = []
+    for has_gyro in (False, True):
+        robot = dataclasses.replace(TURTLEBOT_4, has_gyro=has_gyro)
+        plant = engine_plant(robot)(BOX, CREATE, Pose(0.4, 0.0, 0.0), Pose(0.0, 0.0, 0.0))
+        pushed(plant, Twist(0.15, 0.0, 0.15), 4.0)
+        errors.append(abs(plant.odometry_pose.theta - plant.robot_pose.theta))
+        assert (plant.odometry_twist.omega == plant.robot_twist.omega) == has_gyro
+    assert errors[0] > math.radians(5.0) > 10.0 * errors[1]
 
 
 def test_the_bumper_closes_while_it_pushes() -> None:
