@@ -1,5 +1,6 @@
-"""Parameter files of the three nodes for a scenario."""
+"""Parameter files of the nodes for a scenario."""
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -29,8 +30,8 @@ Section = tuple[str, Any]
 
 
 def write_parameter_files(folder: Path, scenario: Scenario, settings: ControlSettings,
-                          tape_path: Path, *, real_time: bool,
-                          stamped: bool) -> dict[str, Path]:
+                          tape_path: Path, *, real_time: bool, stamped: bool,
+                          more: Mapping[str, Mapping[str, Any]] = {}) -> dict[str, Path]:
     """
     Write the parameters: nominal ones for planner and controller, the true ones for the plant.
 
@@ -38,6 +39,7 @@ def write_parameter_files(folder: Path, scenario: Scenario, settings: ControlSet
     :param tape_path: where the simulator writes its tape.
     :param real_time: keep to the wall clock instead of going in lockstep.
     :param stamped: whether commands are ``TwistStamped``, else ``Twist``.
+    :param more: parameters by node, beside or in place of those; of other nodes, all.
     :return: path of each node's file, by name of the node.
     """
     options = ControllerOptions(
@@ -54,7 +56,8 @@ def write_parameter_files(folder: Path, scenario: Scenario, settings: ControlSet
     sections = {SIM: [*_sim_sections(scenario), ('', sim_options)],
                 PLANNER: _planner_sections(scenario),
                 CONTROLLER: [*_controller_sections(scenario, settings), ('', options)]}
-    return {node: _write(folder, node, parts) for node, parts in sections.items()}
+    return {node: _write(folder, node, sections.get(node, ()), more.get(node, {}))
+            for node in {**sections, **more}}
 
 
 def _sim_sections(scenario: Scenario) -> list[Section]:
@@ -87,11 +90,13 @@ def _values(pose: Pose) -> tuple[float, float, float]:
     return pose.x, pose.y, pose.theta
 
 
-def _write(folder: Path, node: str, sections: list[Section]) -> Path:
+def _write(folder: Path, node: str, sections: Sequence[Section],
+           more: Mapping[str, Any]) -> Path:
     # The simulator makes simulated time, the others follow it.
     values: dict[str, Any] = {'use_sim_time': node != SIM}
     for prefix, instance in sections:
         values.update(to_parameter_values(instance, prefix))
+    values.update(more)
     path = folder / f'{node}.yaml'
     path.write_text(yaml.safe_dump({node: {'ros__parameters': values}}, sort_keys=False),
                     encoding='utf-8')

@@ -1,10 +1,11 @@
-"""Replay of a scenario over DDS: three nodes in three processes, and this one that watches."""
+"""Replay of a scenario over DDS: nodes in processes of their own, and this one that watches."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 import contextlib
 from pathlib import Path
 import shutil
 import time
+from typing import Any, NamedTuple
 
 from push_control.law_names import law_file_name
 from push_control.steered.laws.own_law import check_own_law
@@ -33,10 +34,23 @@ SERVICE_TIMEOUT = 180.0
 STALL_TIMEOUT = 60.0
 
 
+class NodeStart(NamedTuple):
+    """
+    A node that takes part in a replay.
+
+    :param module: Python module with its main function.
+    :param values: ROS parameters, beside or in place of those of the scenario.
+    """
+
+    module: str
+    values: Mapping[str, Any] = {}
+
+
 def run_over_dds(scenario: Scenario, control_law: str | None = None, out_dir: str | Path = 'out',
                  *, real_time: bool = False, record: bool = True,
                  progress: ProgressCallback | None = None, stamped: bool = True,
-                 on_start: Callable[[NodeProcesses], None] | None = None) -> RunResult:
+                 on_start: Callable[[NodeProcesses], None] | None = None,
+                 nodes: Mapping[str, NodeStart] = {}) -> RunResult:
     """
     Replay a scenario; in lockstep equal scenarios give equal tapes, to the last bit.
 
@@ -50,6 +64,7 @@ def run_over_dds(scenario: Scenario, control_law: str | None = None, out_dir: st
     :param progress: called with a ``Progress`` whenever simulated time is known.
     :param stamped: whether commands are ``TwistStamped``, else ``Twist``.
     :param on_start: called with the ``NodeProcesses`` when time starts to run.
+    :param nodes: by name, those that take part besides, or in place of one of the three.
     :raises ValueError: where there is no such law.
     :raises RuntimeError: where a node dies or hangs, naming it; no process is left in any case.
     """
@@ -63,25 +78,29 @@ def run_over_dds(scenario: Scenario, control_law: str | None = None, out_dir: st
     tape_path = _new_tape(folder)
     bag = Path(out_dir) / f'{run_name}_bag' if record else None
     files = write_parameter_files(folder, scenario, scenario.control, tape_path,
-                                  real_time=real_time, stamped=stamped)
+                                  real_time=real_time, stamped=stamped,
+                                  more={name: node.values for name, node in nodes.items()})
+    modules = MODULES | {name: node.module for name, node in nodes.items()}
     monitor = RunMonitor(scenario, progress)
     topics = READ_TOPICS if progress is None else (*READ_TOPICS, PROGRESS_TOPIC)
     with contextlib.ExitStack() as stack:
-        nodes = stack.enter_context(NodeProcesses(stack.enter_context(private_domain()), folder))
-        client = ReplayClient(nodes.domain, stamped, monitor.on_message, nodes.check,
+        processes = stack.enter_context(
+            NodeProcesses(stack.enter_context(private_domain()), folder))
+        client = ReplayClient(processes.domain, stamped, monitor.on_message, processes.check,
                               topics=None if record else topics)
         stack.callback(client.close)
         if bag is not None:
             stack.callback(_record(bag, client, monitor).close)
         for node, path in files.items():
-            nodes.start(node, MODULES[node], path)
+            processes.start(node, modules[node], path)
+        client.wait_for(lambda: [*client.missing(), *monitor.missing(modules)], START_TIMEOUT)
         refusal = _set_goal(scenario, client, monitor, is_lockstep=not real_time)
         if not refusal:
             _start(client)
             if on_start is not None:
-                on_start(nodes)
+                on_start(processes)
             _watch(scenario, client, monitor, _later_goals(scenario) if real_time else [])
-        nodes.stop_all()
+        processes.stop_all()
         client.drain()
     if refusal:
         return RunResult(scenario, law, Outcome.REFUSED, refusal, bag=bag,
@@ -115,7 +134,6 @@ def _later_goals(scenario: Scenario) -> list[LaterGoal]:
 def _set_goal(scenario: Scenario, client: ReplayClient, monitor: RunMonitor, *,
               is_lockstep: bool) -> str:
     """Set map and goals; return why there is no plan of a single push, an empty text else."""
-    client.wait_for(lambda: [*client.missing(), *monitor.missing(MODULES)], START_TIMEOUT)
     frame = Frames().world_frame
     if scenario.task is not None:
         _send_map(scenario.task, client, monitor, frame)

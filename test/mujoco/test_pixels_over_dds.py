@@ -1,0 +1,36 @@
+"""A task from pixels to wheels over DDS: simulator in MuJoCo, detector, planner, controller."""
+
+import dataclasses
+
+from helpers.extras import import_extra, skip_without_graphics
+from push_ros.topics import SIM, TAG_DETECTOR
+from push_scenario.dds.replay import NodeStart, run_over_dds
+from push_scenario.definition.placement import Placement
+from push_scenario.definition.scenario import Start
+from push_scenario.simulation.result import Outcome
+import pytest
+
+import_extra('cv2', 'vision')
+cases = import_extra('mujoco', 'mujoco', 'benchmarks.pixels.cases')
+pytestmark = [pytest.mark.dds, pytest.mark.slow]
+CAMERA = cases.camera_of('robot')
+NODES = {
+    SIM: NodeStart('push_mujoco.mujoco_node', {
+        'mujoco.tags': cases.OBJECT, 'mujoco.image_rate': cases.RATE,
+        'mujoco.image_width': 320, 'mujoco.image_height': 240,
+        'mujoco.publish_object_pose': False}),
+    TAG_DETECTOR: NodeStart('push_tags.tag_detector_node', {
+        'tags': cases.OBJECT, 'camera.x': CAMERA.x, 'camera.z': CAMERA.z,
+        'object_pose_with_covariance': False})}
+
+
+def test_an_object_that_only_images_show_is_pushed_to_its_goal(tmp_path) -> None:
+    """Truly: within what the drift of the wheels leaves of the tolerance."""
+    skip_without_graphics()
+    scenario = dataclasses.replace(
+        cases.draw_scenario('robot', 0), name='pixels', goal=Placement(0.2, 0.0, 0.0),
+        start=Start(robot=Placement(-0.7, 0.0, 0.0)), time_limit=60.0)
+    result = run_over_dds(scenario, None, tmp_path, real_time=True, record=False, nodes=NODES)
+    assert result.outcome is Outcome.DONE, result.reason
+    assert result.pushes >= 1
+    assert abs(result.position_error) <= 2.0 * cases.TOLERANCES['robot'].position
