@@ -19,6 +19,8 @@ from push_safety.tolerances import ACCELERATION_RATIOS, LAGS, MAX_RESPONSE_TIME
 
 # Step of the delays of the models [s]; chosen: what is between two is within the tolerance.
 DELAY_STEP = 0.05
+# Longest step of the models, in which each follows one command [s]; chosen: that of their delays.
+MAX_STEP = DELAY_STEP
 # Lag and acceleration of the nominal model, which has no delay.
 NOMINAL_LAG, NOMINAL_ACCELERATION = LAGS[1], ACCELERATION_RATIOS[2]
 # Error in place of none [m/s, rad/s]; chosen: it decays at once.
@@ -199,13 +201,17 @@ class DriveModels:
 
     def update(self, time: float, dt: float) -> None:
         """
-        Let every model follow its command for a step.
+        Let every model follow its commands for a step; commands may change within a long one.
 
         :param time: end of the step [s].
         :param dt: its duration, above 0 [s].
         """
-        self._choose_commands(time - dt + 0.5 * dt)
-        follow_commands(self.velocities, self.rates, self.commands, self._lags, self._limits, dt)
+        count = max(1, math.ceil(dt / MAX_STEP))
+        part = dt / count
+        for remaining in range(count, 0, -1):
+            self._choose_commands(time - remaining * part + 0.5 * part)
+            follow_commands(self.velocities, self.rates, self.commands, self._lags, self._limits,
+                            part)
 
     def _choose_commands(self, time: float) -> None:
         sent = self._sent

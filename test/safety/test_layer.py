@@ -422,12 +422,14 @@ def test_a_robot_whose_odometry_ends_slows_down_before_the_time_out(period):
 
 def test_a_network_that_is_late_at_times_slows_the_robot_once():
     """Stamps come as regularly as ever; how long they take is learned from when they come."""
-    layer, command, slowed = SafetyLayer(ROBOTS['holonomic'], BOX), Twist(0.3, 0.0, 0.0), []
+    layer, base = SafetyLayer(ROBOTS['holonomic'], BOX), Base(ROBOTS['holonomic'])
+    command, measured, slowed = Twist(0.3, 0.0, 0.0), [base.odometry], []
     for i in range(800):
         # Later on odometry is late twice a second by up to 0.15 s, while poses come on time.
-        stamp = 0.02 * (i - i % 25) if i > 400 and i % 25 < 8 else 0.02 * i
-        layer.observe(Odometry(stamp, Pose(0.3 * stamp, 0.0, 0.0), command))
-        if layer.filter(command, 0.02 * i) != command:
+        layer.observe(measured[i - i % 25 if i > 400 and i % 25 < 8 else i])
+        sent = layer.filter(command, base.odometry.time)
+        measured.append(base.drive(sent))
+        if i > 400 and sent != command:
             slowed.append(i)
     assert slowed and max(slowed) < 425
 

@@ -36,6 +36,7 @@ class Base:
     :param acceleration_ratio: its limit over that of ``ROBOT``.
     :param period: of its odometry [s].
     :param noise: of its odometry, along an axis [m/s], and of twice that [rad/s].
+    :param gap: time of every second in which no odometry comes [s].
     """
 
     delay: float = 0.1
@@ -43,6 +44,7 @@ class Base:
     acceleration_ratio: float = 1.0
     period: float = 0.02
     noise: float = 0.0
+    gap: float = 0.0
 
     def first_fault(self, command: Command, duration: float, heed: Heed | None = None, *,
                     is_mirrored: bool = False, seed: int = 0,
@@ -64,8 +66,8 @@ class Base:
             time = index * self.period
             errors = (self.noise * rng.standard_normal(3) * (1.0, 1.0, 2.0)).tolist()
             seen = Twist(*(a + b for a, b in zip(velocity, errors)))
-            report = check.check(Odometry(100.0 + time, HERE, Twist(
-                seen.v_x, sign * seen.v_y, sign * seen.omega)))
+            report = None if time % 1.0 < self.gap else check.check(Odometry(
+                100.0 + time, HERE, Twist(seen.v_x, sign * seen.v_y, sign * seen.omega)))
             if report is not None:
                 return time, float(np.hypot(*beside)), report
             wanted = command(time)
@@ -148,6 +150,13 @@ def test_a_base_that_follows_as_stated_is_never_stopped(seed: int) -> None:
                 period=float(rng.choice([0.01, 0.02, 0.05])), noise=rng.uniform(0.0, 0.006))
     for command in (steps(seed), waves(rng.uniform(0.02, 0.3), rng.uniform(-3.0, 3.0))):
         assert base.first_fault(command, 8.0, seed=seed) is None
+
+
+@pytest.mark.parametrize('gap', [0.2, 0.45])
+@pytest.mark.parametrize('seed', range(4))
+def test_a_base_that_follows_while_no_odometry_comes_is_not_stopped(seed: int, gap: float) -> None:
+    """Commands that change meanwhile count from when they were sent."""
+    assert Base(gap=gap).first_fault(steps(seed), 8.0) is None
 
 
 PHASES = [0.2 * k for k in range(12)]
