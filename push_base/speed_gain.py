@@ -13,7 +13,8 @@ from push_model.parameters import RoundRobot
 from push_model.signals import Twist
 
 # Least gain that commands make up for; chosen: motors get weaker by a fifth, and what slows a base
-# down by more, as a collision monitor does, is to be obeyed.
+# down by more, as a collision monitor does, is to be obeyed. Where one wheel is as slow as that,
+# the other one turns in proportion: the robot keeps to its arc.
 MIN_COMPENSATED = 0.75
 
 
@@ -50,11 +51,13 @@ def compensated(command: Twist, robot: RoundRobot, knowledge: BaseKnowledge) -> 
     Choose what to send so that a base does what is desired.
 
     :param robot: the ``RoundRobot``, nominal.
-    :param knowledge: ``BaseKnowledge`` with its gains, which count down to ``MIN_COMPENSATED``.
+    :param knowledge: ``BaseKnowledge`` with its gains; the motion is slower where the least of
+        them is below ``MIN_COMPENSATED``.
     :return: ``Twist``, which may exceed the limits of the robot; the command itself where both
         gains are 1.
     """
-    first, second = (1.0 / max(MIN_COMPENSATED, gain) for gain in knowledge.gains)
+    speed_ratio = min(1.0, min(knowledge.gains) / MIN_COMPENSATED)
+    first, second = (speed_ratio / gain for gain in knowledge.gains)
     return _scaled(command, robot, first, second)
 
 

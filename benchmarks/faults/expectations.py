@@ -229,8 +229,8 @@ BASE = {
         _named(UNFIT, BehaviorFailure.STALLED), must_stop=False,
         note='it is learned, and the base is driven in pulses'),
     Word.ONE_WHEEL: Expectation(
-        _named(UNFIT), stop_time=2.0, driven=0.3,
-        note='speeds of wheels are learned while it drives; beyond those it is stopped'),
+        _named(UNFIT), must_stop=False, deviation=0.1,
+        note='the speed of the wheel is learned and made up for; the object shows what is not'),
     Word.SLUGGISH: Expectation(
         _named(UNFIT), must_stop=False,
         note='it is learned, and the base is driven no harder than it follows'),

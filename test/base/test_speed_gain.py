@@ -32,14 +32,20 @@ def test_translation_and_rotation_of_a_holonomic_base_have_theirs():
 
 @pytest.mark.parametrize('drive', ROBOTS)
 def test_what_is_compensated_is_delivered_as_desired(drive):
-    """Down to the least gain that is made up for; what is slower stays slower in proportion."""
+    """Down to the least gain that is made up for."""
     robot, known = ROBOTS[drive], BaseKnowledge(first_gain=0.8, second_gain=1.1)
     assert delivered(compensated(COMMAND, robot, known), robot, known) == pytest.approx(COMMAND)
-    slow = BaseKnowledge(first_gain=0.5, second_gain=0.5)
-    expected = tuple(0.5 / MIN_COMPENSATED * value for value in COMMAND)
-    assert delivered(compensated(COMMAND, robot, slow), robot, slow) == pytest.approx(expected)
     assert compensated(COMMAND, robot, BaseKnowledge()) is COMMAND
     np.testing.assert_array_equal(gain_matrix(robot, 1.0, 1.0), np.eye(3))
+
+
+@pytest.mark.parametrize('drive', ROBOTS)
+@pytest.mark.parametrize('first, second', [(0.5, 0.5), (0.5, 1.0), (1.1, 0.5)])
+def test_a_base_that_is_slower_keeps_to_its_arc(drive: str, first: float, second: float) -> None:
+    """It is slower in proportion, be it one wheel or both: it does not turn off."""
+    robot, slow = ROBOTS[drive], BaseKnowledge(first_gain=first, second_gain=second)
+    expected = tuple(0.5 / MIN_COMPENSATED * value for value in COMMAND)
+    assert delivered(compensated(COMMAND, robot, slow), robot, slow) == pytest.approx(expected)
 
 
 @pytest.mark.parametrize('drive', ROBOTS)
