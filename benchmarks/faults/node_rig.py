@@ -193,7 +193,7 @@ class _Rig:
         """
         Go on until the task has ended, or time is up, and the robot has come to rest.
 
-        :return: when it has ended [s].
+        :return: when it has ended [s]; the limit where it has not, or something came after that.
         """
         simulation, end = self.simulation, time_limit
         while simulation.time < end + SETTLE_TIME:
@@ -202,12 +202,16 @@ class _Rig:
             self._publish_due()
             if not isinstance(measured, LidarScan):
                 self._answer(measured)
-            is_over = not self._is_active and simulation.time > self._last_change
-            if is_over and self.reports and self.reports[-1].state in ENDINGS:
-                end = min(end, simulation.time)
+            end = end_of_run(end, simulation.time, time_limit, has_ended=self._has_ended)
         self._node.destroy_node()
         self._executor.shutdown()
         return end
+
+    @property
+    def _has_ended(self) -> bool:
+        """Whether the newest report is of an ending, after all that is done to the inputs."""
+        is_over = not self._is_active and self.simulation.time > self._last_change
+        return is_over and bool(self.reports) and self.reports[-1].state in ENDINGS
 
     @property
     def _last_change(self) -> float:
@@ -405,6 +409,19 @@ class _Rig:
         elif word is Word.OFF or word is Word.INTERMITTENT and index % 2:
             return None
         return message
+
+
+def end_of_run(end: float, now: float, time_limit: float, *, has_ended: bool) -> float:
+    """
+    Find when a run ends: what has ended, and then begins again or waits, has not ended.
+
+    :param end: as it seemed until now [s].
+    :param now: simulated time [s].
+    :param time_limit: of the run [s].
+    :param has_ended: whether it has ended for now.
+    :return: since when it has ended without a break [s]; else its limit.
+    """
+    return min(end, now) if has_ended else time_limit
 
 
 def _moved(trajectory: PushTrajectory, offset: Pose) -> PushTrajectory:

@@ -5,6 +5,7 @@ import math
 from benchmarks.faults.expectations import (
     expectation_of, EXPECTATIONS, MAX_DEVIATION, MAX_DRIVEN, MAX_STOP_TIME)
 from benchmarks.faults.injection import Fault, Input, SentCommand, Word, words_of
+from benchmarks.faults.node_rig import end_of_run
 from benchmarks.faults.row import Ending
 from benchmarks.faults.simulated import Record, Simulated
 from benchmarks.faults.verdict import evaluate, Verdict, Violation
@@ -145,3 +146,12 @@ def test_every_fault_has_an_expectation() -> None:
                      and expectation.deviation == MAX_DEVIATION)
         assert is_common is not bool(expectation.note), fault
     assert expectation_of(FAULT) is EXPECTATIONS[FAULT.input, FAULT.word]
+
+
+def test_a_run_ends_where_its_ending_lasts() -> None:
+    """One that begins again, or waits, goes on to its limit."""
+    end = 60.0
+    for now, has_ended, expected in ((4.0, False, 60.0), (4.8, True, 4.8), (5.0, True, 4.8),
+                                     (5.1, False, 60.0), (7.0, True, 7.0), (8.0, True, 7.0)):
+        end = end_of_run(end, now, 60.0, has_ended=has_ended)
+        assert end == expected
