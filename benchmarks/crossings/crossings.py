@@ -24,6 +24,8 @@ OBJECT_DISTANCE = 0.5
 CORNERS = 16
 # Distance from which the protective field is to slow the robot [m].
 SLOW_DISTANCE = 2.0
+# What clothes give at a touch [m]; chosen. Bodies give no more: nobody walks through a robot.
+SOFTNESS = 0.01
 # What a robot may do at a touch [m/s].
 MAX_TOUCH_SPEED = 0.1
 
@@ -55,8 +57,9 @@ class Walker:
         self._rng = np.random.default_rng(seed)
         self._walks = walks
         self._start_time, self._speed = PAUSE, 0.0
-        self._start: FloatArray = np.zeros(2)
         self._direction: FloatArray = np.zeros(2)
+        self._person: FloatArray = np.zeros(2)
+        self._time = 0.0
         self._gap, self._robot_speed = math.inf, 0.0
         self.crossings: list[Crossing] = []
         self.stops = 0
@@ -79,14 +82,17 @@ class Walker:
         if self._speed == 0.0:
             return
         covered = self._speed * (simulation.time - self._start_time)
-        person = self._start + covered * self._direction
+        contact_distance = RADIUS + simulation.robot.radius
+        person = walk(self._person, self._direction * self._speed * (simulation.time - self._time),
+                      robot, contact_distance - SOFTNESS)
+        self._person, self._time = person, simulation.time
         if covered > START_DISTANCE + END_DISTANCE or not self._is_free(person[None]):
             self._end(simulation,
                       has_crossed=covered > START_DISTANCE or self._gap <= 0.0)
             return
         turn = np.linspace(0.0, 2.0 * math.pi, CORNERS, endpoint=False)
         simulation.show_visitor(person + RADIUS * np.stack((np.cos(turn), np.sin(turn)), axis=1))
-        gap = float(np.hypot(*(person - robot))) - RADIUS - simulation.robot.radius
+        gap = float(np.hypot(*(person - robot))) - contact_distance
         self._gap = min(self._gap, gap)
         if gap <= 0.0:
             twist = simulation.truth.robot_twist
@@ -94,15 +100,15 @@ class Walker:
 
     def _start_walk(self, robot: FloatArray, obj: FloatArray, time: float) -> None:
         """Start where the person sees the robot, with the object not between, if possible."""
-        self._start_time = time
+        self._start_time = self._time = time
         for _ in range(TRIALS):
             angle = self._rng.uniform(-math.pi, math.pi)
             self._direction = np.array([math.cos(angle), math.sin(angle)])
             aside = np.array([-self._direction[1], self._direction[0]])
-            self._start = (robot + self._rng.uniform(-0.3, 0.3) * aside
-                           - START_DISTANCE * self._direction)
+            self._person = (robot + self._rng.uniform(-0.3, 0.3) * aside
+                            - START_DISTANCE * self._direction)
             fractions = np.arange(0.0, 1.0, SPACING / START_DISTANCE)[:, None]
-            line = self._start + fractions * (robot - self._start)
+            line = self._person + fractions * (robot - self._person)
             if self._is_free(line) and np.hypot(*(line - obj).T).min() > OBJECT_DISTANCE:
                 self._speed = float(self._rng.uniform(*SPEEDS))
                 return
@@ -119,6 +125,28 @@ class Walker:
         self._gap = math.inf
         self._robot_speed = 0.0
         self._start_time = simulation.time + PAUSE
+
+
+def walk(person: FloatArray, step: FloatArray, robot: FloatArray, least: float) -> FloatArray:
+    """
+    Walk straight on as far as the robot lets; a robot that comes nearer pushes the person away.
+
+    :param person: position, shape (2,) [m].
+    :param step: what the person would walk, shape (2,) [m].
+    :param robot: its position, shape (2,) [m].
+    :param least: distance of both at a touch [m].
+    :return: the new position, shape (2,) [m].
+    """
+    length = float(np.hypot(*step))
+    if length > 0.0:
+        direction, to_robot = step / length, robot - person
+        ahead = float(to_robot @ direction)
+        half_chord_squared = least ** 2 - float(to_robot @ to_robot) + ahead ** 2
+        if ahead > 0.0 and half_chord_squared > 0.0:
+            length = min(length, max(0.0, ahead - math.sqrt(half_chord_squared)))
+        person = person + length * direction
+    distance = float(np.hypot(*(person - robot)))
+    return person if distance >= least else robot + least / distance * (person - robot)
 
 
 def run(seed: int, *, walks: bool = True, is_protected: bool = True,
