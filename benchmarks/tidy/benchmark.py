@@ -58,6 +58,9 @@ def nearest_first(problem: Rearrangement) -> OrderPlan:
     return OrderPlan(tuple(moves), {}, 0.0, True, 0)
 
 
+# Depth beyond which touches are counted besides [m].
+DEEP = 5e-3
+
 ORDERS: dict[str, OrderPlanner] = {'searched': plan_order, 'nearest': nearest_first}
 
 
@@ -84,7 +87,9 @@ def room_row(job: Job) -> Row:
     result = tidy(job.draw(), find_order=ORDERS[job.order])
     return {**dataclasses.asdict(job), 'objects': len(result.poses),
             'placed': sum(map(result.is_placed, result.poses)),
-            'moves': len(result.moves), 'touches': result.touches, 'duration': result.duration,
+            'moves': len(result.moves), 'touches': result.touches,
+            'deep_touches': sum(gap < -DEEP for gap in result.touch_gaps),
+            'duration': result.duration,
             'failed_moves': sum(item.run.outcome.value != 'done' for item in result.moves),
             'reasons': '; '.join(f'{name}: {report}'
                                  for name, report in result.failures.items())}

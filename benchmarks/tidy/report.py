@@ -39,7 +39,8 @@ def room_table(rows: Sequence[Row], orders: Sequence[str]) -> str:
 
     :param orders: how objects may be ordered.
     """
-    lines = ['| objects, order | rooms in order | objects | touches | moves | time, median |',
+    lines = ['| objects, order | rooms in order | objects | touches, beyond 5 mm | moves | '
+             'time, median |',
              '| --- | --- | --- | --- | --- | --- |']
     for count, order in ((count, order) for count in (*SIDES, BLOCKED) for order in orders):
         some = [row for row in rows if (row.get('count'), row.get('order')) == (count, order)]
@@ -49,7 +50,9 @@ def room_table(rows: Sequence[Row], orders: Sequence[str]) -> str:
                 f'{sum(row["placed"] == row["objects"] for row in some)} of '
                 f'{len(some)} | {sum(row["placed"] for row in some)} of '
                 f'{sum(row["objects"] for row in some)} | '
-                f'{sum(row["touches"] for row in some)} | {sum(row["moves"] for row in some)} | '
+                f'{sum(row["touches"] for row in some)}, '
+                f'{sum(row["deep_touches"] for row in some)} | '
+                f'{sum(row["moves"] for row in some)} | '
                 f'{np.median([row["duration"] for row in some]):.0f} s |')
     reasons = [f'* {_kind(row)} {row["index"]}, {row["order"]}: {row["reasons"]}.'
                for row in rows if row['placed'] < row['objects']]

@@ -5,7 +5,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from push_model.geometry import FloatArray, IntArray, Pose, wrap_angle
+from push_model.geometry import BoolArray, FloatArray, IntArray, Pose, wrap_angle
 from push_model.parameters import RoundRobot
 from push_navigation.settings import DriveSettings
 from push_planner.rearrangement.object_floor import descend, path_length
@@ -92,7 +92,7 @@ class MoveEvaluator:
         stands = self._regions_of_faces(after, index)
         if not stands.any():
             return None
-        length = path_length(self.grid(layout, index, place),
+        length = path_length(self.grid(layout, regions, index, place),
                              self._placements.pose(index, layout[index]))
         if math.isinf(length):
             return None
@@ -102,11 +102,25 @@ class MoveEvaluator:
                 + self.transit_time(index, layout[index], last) + CROWDED_TIME * crowded)
         return MoveOption(after, frozenset(stands[stands > 0].tolist()), time)
 
-    def grid(self, layout: Layout, index: int, place: int) -> DistanceGrid:
-        """Find the ways of an object to a place past all others."""
+    def grid(self, layout: Layout, regions: Regions, index: int, place: int) -> DistanceGrid:
+        """
+        Find the ways of an object to a place past all others.
+
+        What is moved to a temporary place starts towards where the robot pushes it, at a face
+        that it gets to: what stands in a door leaves it on the other side. To its goal an object
+        may be pushed through the door and back.
+
+        :param layout: before the move.
+        :param regions: in which the robot may be before it.
+        :param index: of the object.
+        :param place: where to.
+        """
         placements = self._placements
         distances = placements.eased_at(placements.obstacles(layout, index), index,
                                         (layout[index], place))
+        if place != GOAL:
+            distances = np.where(self._is_off_pushes(layout, regions, index), np.float32(0.0),
+                                 distances)
         far, _ = placements.needed(index)
         return placements.floor.lengths_to(placements.pose(index, place), distances, far)
 
@@ -156,6 +170,14 @@ class MoveEvaluator:
         if math.isinf(path_length(grid, start)):
             return np.array([start[:2], here[:2]])
         return descend(grid, start, here)
+
+    def _is_off_pushes(self, layout: Layout, regions: Regions, index: int) -> BoolArray:
+        """Tell which grid points round an object lie where no push of the robot leads."""
+        placements, place = self._placements, layout[index]
+        is_reached = np.isin(self._regions_of_faces(layout, index), list(regions))
+        return placements.floor.off_directions(
+            placements.pose(index, place), placements.end_radius(index),
+            placements.push_directions(index, place)[is_reached])
 
     def _pushing_time(self, length: float, index: int, start: int, end: int) -> float:
         placements, costs = self._placements, self._costs

@@ -15,6 +15,11 @@ from push_planner.straight.map_search.object_distance import (
 
 # Points of the grid at most; chosen: shortest paths to all of them take some 10 ms.
 MAX_POINTS = 40_000
+# Cosine of the angle to a direction up to which something lies in it; chosen: 65 degrees, so that
+# three faces of any object push it in all directions.
+MIN_ALONG = math.cos(math.radians(65.0))
+# Distance up to which points are next to a pose, in grid points; chosen: it lies between four.
+NEXT_POINTS = 2.0
 Field = NDArray[np.float32]
 
 
@@ -55,6 +60,22 @@ class ObjectFloor:
         """Tell of all grid points whether they are within a radius [m] of a point."""
         away = self.centers - (x, y)
         return ((away ** 2).sum(axis=1) < radius ** 2).reshape(self._shape)
+
+    def off_directions(self, pose: Pose, radius: float, directions: FloatArray) -> BoolArray:
+        """
+        Tell of all grid points whether they lie near a pose, but in none of some directions.
+
+        The points next to the pose are in all directions.
+
+        :param radius: within which points are near [m].
+        :param directions: unit vectors, shape (n, 2).
+        """
+        away = self.centers - pose[:2]
+        distances = np.hypot(*away.T)
+        along = (away @ directions.T).max(axis=1, initial=-math.inf)
+        is_off = along < MIN_ALONG * distances
+        return (is_off & (distances < radius)
+                & (distances > NEXT_POINTS * self.spacing)).reshape(self._shape)
 
     def lengths_to(self, goal: Pose, distances: Field, needed: float) -> DistanceGrid:
         """

@@ -33,12 +33,14 @@ class _Step(NamedTuple):
     :param moved: number of the object.
     :param place: where to.
     :param layout: of all objects before it.
+    :param regions: in which the robot may be before it.
     :param time: of it [s].
     """
 
     moved: int
     place: int
     layout: Layout
+    regions: Regions
     time: float
 
 
@@ -69,7 +71,7 @@ class _Node(NamedTuple):
 
     def after(self, index: int, place: int, option: MoveOption) -> '_Node':
         """Return the node to which a move leads."""
-        step = _Step(index, place, self.layout, option.time)
+        step = _Step(index, place, self.layout, self.regions, option.time)
         return _Node(option.layout, option.regions, (*self.steps, step), self.time + option.time)
 
 
@@ -219,7 +221,7 @@ class _OrderSearch:
         """Move an object to temporary places; return whether there is one."""
         if not self._moves.is_reached(node.layout, node.regions, index):
             return True
-        lengths = self._moves.grid(node.layout, index, node.layout[index])
+        lengths = self._moves.grid(node.layout, node.regions, index, node.layout[index])
         paths = [self._path(other, node.layout[other]) for other in unplaced if other != index]
         poses = temporary_places(self._placements, node.layout, index, lengths, paths)
         for pose in poses:
@@ -270,7 +272,8 @@ class _OrderSearch:
     def _lay_out(self, step: _Step) -> Move:
         start = self._placements.pose(step.moved, step.layout[step.moved])
         end = self._placements.pose(step.moved, step.place)
-        path = descend(self._moves.grid(step.layout, step.moved, step.place), start, end)
+        path = descend(self._moves.grid(step.layout, step.regions, step.moved, step.place), start,
+                       end)
         body = self._placements.bodies[step.moved]
         return Move(body.name, self._in_world(step.moved, step.layout[step.moved]),
                     self._in_world(step.moved, step.place), step.place > GOAL, step.time,

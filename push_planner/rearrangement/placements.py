@@ -115,6 +115,11 @@ class Placements:
         """Distance that the middle of the robot keeps [m]."""
         return self._robot_radius + self.robot_margin
 
+    def push_directions(self, index: int, place: int) -> FloatArray:
+        """Return unit vectors along which each face of an object is pushed, shape (n, 2)."""
+        _, normals = faces_of(self.bodies[index].obj, ROUND_FACES)
+        return placed_points(-normals, Pose(0.0, 0.0, self.pose(index, place).theta))
+
     def obstacles(self, layout: Layout, without: int | None = None) -> Field:
         """
         Compute the distances from walls and objects.
@@ -127,6 +132,10 @@ class Placements:
                 distances = np.minimum(distances, self.field(index, place))
         return distances
 
+    def end_radius(self, index: int) -> float:
+        """Return the radius about an end of a way within which the robot passes the object [m]."""
+        return self.bodies[index].outer_radius + 2.0 * self._robot_radius
+
     def eased_at(self, distances: Field, index: int, places: tuple[int, int]) -> Field:
         """
         Let paths of an object be narrower near their ends, where the robot need not be behind it.
@@ -136,7 +145,7 @@ class Placements:
         far, near = self.needed(index)
         if near >= far:
             return distances
-        radius = self.bodies[index].outer_radius + 2.0 * self._robot_radius
+        radius = self.end_radius(index)
         eased = distances.copy()
         for place in places:
             pose = self.pose(index, place)

@@ -57,13 +57,14 @@ class MoveResult(NamedTuple):
 
     :param move: the ``Move``.
     :param run: ``RunResult`` of its pushes.
-    :param touched: names of standing objects that robot or pushed object touched.
+    :param touched: least gap of robot or pushed object to each standing object that it touched,
+        by name [m].
     :param progress: ``TidyProgress`` before it.
     """
 
     move: Move
     run: RunResult
-    touched: tuple[str, ...]
+    touched: Mapping[str, float]
     progress: TidyProgress
 
 
@@ -93,7 +94,12 @@ class TidyResult:
     @property
     def touches(self) -> int:
         """Number of times that something touched a standing object in a move."""
-        return sum(len(move.touched) for move in self.moves)
+        return len(self.touch_gaps)
+
+    @property
+    def touch_gaps(self) -> list[float]:
+        """Least gap of each touch [m], negative where one body is in the other."""
+        return [gap for move in self.moves for gap in move.touched.values()]
 
     def errors(self, name: str) -> tuple[float, float]:
         """Return the true distance [m] and rotation [rad] of an object from its goal."""
@@ -189,10 +195,11 @@ class _TidyRun:
         run = run_robot(simulation, robot, scenario, observation, progress=progress,
                         localizer=self._localizer)
         self._memory.keep(move.name, robot.supervisor, simulation.time)
-        touched = () if run.tape is None else tuple(
-            name for name, pose in before.items() if name != move.name and least_gap(
-                run.tape, scenario.true_object, scenario.robot.radius,
-                StandingObject(self._room.scenarios[name].true_object, pose)) < TOUCH_GAP)
+        gaps = {} if run.tape is None else {
+            name: least_gap(run.tape, scenario.true_object, scenario.robot.radius,
+                            StandingObject(self._room.scenarios[name].true_object, pose))
+            for name, pose in before.items() if name != move.name}
+        touched = {name: gap for name, gap in gaps.items() if gap < TOUCH_GAP}
         result = MoveResult(move, run, touched, now)
         self._moves.append(result)
         self._measured = self._measure()

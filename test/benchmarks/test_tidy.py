@@ -33,12 +33,13 @@ def test_the_nearest_object_comes_first() -> None:
 
 
 def test_the_table_counts_rooms_and_objects() -> None:
-    """A room counts where all of its objects are at their goals."""
-    row = {'count': 3, 'objects': 3, 'order': 'searched', 'touches': 1, 'moves': 4,
-           'duration': 100.0, 'index': 7, 'reasons': 'bin 0: too narrow'}
+    """A room counts where all of its objects are at their goals; deep touches count twice."""
+    row = {'count': 3, 'objects': 3, 'order': 'searched', 'touches': 2,
+           'deep_touches': 1, 'moves': 4, 'duration': 100.0, 'index': 7,
+           'reasons': 'bin 0: too narrow'}
     *_, line, _, reason = room_table([{**row, 'placed': 3}, {**row, 'placed': 2}],
                                      ['searched']).splitlines()
-    assert line == '| 3, searched | 1 of 2 | 5 of 6 | 2 | 8 | 100 s |'
+    assert line == '| 3, searched | 1 of 2 | 5 of 6 | 4, 2 | 8 | 100 s |'
     assert reason == '* room of 3 objects, 7, searched: bin 0: too narrow.'
 
 

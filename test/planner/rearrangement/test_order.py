@@ -3,7 +3,7 @@
 import itertools
 import math
 
-from helpers.maps import walled_floor
+from helpers.maps import walled_floor, walled_room
 from helpers.objects import bin_, box
 import numpy as np
 from push_model.events import ObjectFailure
@@ -153,6 +153,19 @@ def test_a_door_is_freed(goal: Pose | None) -> None:
                                 *(tuple(with_bin.to_map([place])[0].tolist())
                                   for place in ((-1.8, 0.7), (1.9, 0.2))))
     assert passage.width > 0.4 * math.sqrt(2.0)
+
+
+@pytest.mark.parametrize('side', [-1.0, 1.0])
+def test_what_stands_in_a_door_leaves_it_away_from_the_robot(side: float) -> None:
+    """The robot cannot pull it to its own side, where a place would be nearer."""
+    floor = walled_room((-0.1, 0.1, -3.0, -0.5), (-0.1, 0.1, 0.5, 3.0))
+    plan = plan_order(rearrangement(
+        NamedObject('box', box(), Pose(-1.8 * side, 0.7, 0.0), Pose(1.9 * side, 0.2, 0.0)),
+        NamedObject('bin', bin_(), Pose(-0.05 * side, 0.0, 0.0)),
+        floor=floor, robot_pose=Pose(-2.5 * side, -1.0, 0.0)))
+    assert summary(plan) == [('bin', True), ('box', False)]
+    assert (side * plan.moves[0].path[:, 0] > -0.1).all()
+    assert side * plan.moves[0].end.x > 0.3
 
 
 def disc_cells(floor: OccupancyMap, center: Pose, radius: float) -> BoolArray:
