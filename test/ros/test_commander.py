@@ -43,6 +43,9 @@ SCENARIO = read_scenario(find_scenario('task_tap'))
 # Of the simulator without a limit of time, which begins at once.
 ENDLESS = {'time_limit': 0.0, 'autostart': True}
 POLL_PAUSE = 2e-3
+# Of a task that is done the newest measured pose of the object may be off by noise besides.
+MAX_MEASURED_ERROR = (SCENARIO.task.supervision.position_tolerance
+                      + 4.0 * SCENARIO.sensors.pose_noise)
 # The first is so far that a push is still under way when a program has noticed that it began.
 FAR, NEAR = Pose(2.0, 0.0, 0.0), Pose(0.3, 0.0, 0.0)
 
@@ -216,7 +219,7 @@ def test_a_tree_pushes_and_chooses_by_the_code(context, commander):
     assert tick_to_the_end(root, context[1]) is Status.SUCCESS
     assert impossible.result.error_code == Action.Result.INVALID_GOAL
     assert other.result is None
-    assert possible.result.position_error < SCENARIO.task.supervision.position_tolerance
+    assert possible.result.position_error < MAX_MEASURED_ERROR
 
 
 def test_a_tree_that_turns_away_cancels_the_push(context, commander):
