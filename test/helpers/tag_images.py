@@ -1,8 +1,11 @@
 """Images of tags on an object, by rays from each pixel: independent of what detects them."""
 
 import numpy as np
+from numpy.typing import NDArray
 from push_model.geometry import Pose
 from push_model.rigid_transform import RigidTransform
+from push_tags.camera import CameraIntrinsics
+from push_tags.tag_layout import TagLayout
 from push_tags.tag_pattern import CELLS, MARGIN, tag_pattern
 
 # Rays along an edge of a pixel; grey of floor and object.
@@ -16,7 +19,8 @@ def object_in_camera(pose: Pose, optical_pose: RigidTransform) -> RigidTransform
     return optical_pose.inverse() @ on_floor
 
 
-def draw_tags(layout, camera, in_camera, noise=0.0, seed=0):
+def draw_tags(layout: TagLayout, camera: CameraIntrinsics, in_camera: RigidTransform,
+              noise: float = 0.0, seed: int = 0) -> NDArray[np.uint8]:
     """
     Draw an image, in which every tag is seen that faces the camera.
 

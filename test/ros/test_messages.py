@@ -223,7 +223,7 @@ def test_a_plan_says_which_push_it_is(style):
         assert np.array_equal(getattr(back, name), getattr(plan, name))
 
 
-def test_a_plan_carries_what_it_states_of_the_end():
+def test_a_plan_carries_what_it_states_of_the_end() -> None:
     """All of it or nothing."""
     message = sent(to_plan_message(straight(), to_stamp(2.0), 'odom'))
     assert from_plan_message(message, 'odom').outlook == OUTLOOK

@@ -12,7 +12,7 @@ from push_tags.detection import TagDetection
 from push_tags.pose_fit import View
 from push_tags.settings import DetectorSettings
 from push_tags.tag_layout import ObjectTag, read_tag_layout, TagLayout
-from push_tags.tagged_object import PoseFailure, TaggedObject
+from push_tags.tagged_object import PoseFailure, TaggedObject, TagPose
 import pytest
 
 import_extra('cv2', 'vision')
@@ -26,7 +26,7 @@ POSE = Pose(1.1, 0.1, 0.7)
 CHI_SQUARE_95 = 7.815
 
 
-def see(pose, view=VIEW, layout=LAYOUT, noise=0.0, rng=None):
+def see(pose, view=VIEW, layout=LAYOUT, noise=0.0, rng=None) -> list[TagDetection]:
     """Project the corners of all tags that face the camera."""
     in_camera = object_in_camera(pose, view.optical_pose)
     detections = []
@@ -41,7 +41,7 @@ def see(pose, view=VIEW, layout=LAYOUT, noise=0.0, rng=None):
     return detections
 
 
-def locate(detections, view=VIEW, layout=LAYOUT):
+def locate(detections, view=VIEW, layout=LAYOUT) -> TagPose:
     """Estimate a pose at once."""
     return TaggedObject(layout, SETTINGS).locate(0.0, detections, view)
 
