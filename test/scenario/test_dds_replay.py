@@ -204,7 +204,11 @@ def test_the_recording_reads_back(side_by_side):
             assert counts[topic] > 5
         rate = result.scenario.sensors.odometry_rate
         assert set(range(int(result.duration * rate))) <= {round(t * rate) for t in stamps}
-        assert commands >= stamps if command == 'TwistStamped' else counts['/cmd_vel']
+        if command == 'TwistStamped':
+            # What is measured while the nodes end is not always answered.
+            assert commands >= {stamp for stamp in stamps if stamp <= result.duration}
+        else:
+            assert counts['/cmd_vel'] > 0
 
 
 def test_a_recording_that_is_played_back_commands_the_same(side_by_side):
