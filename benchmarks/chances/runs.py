@@ -50,6 +50,7 @@ class PlanRecorder:
             'is_in_map': plan.remaining is not None,
             'goal_distance': distance(request.object_pose, request.goal),
             'goal_heading': abs(wrap_angle(request.object_pose.theta - request.goal.theta)),
+            'contact_friction': request.obj.contact_friction_coefficient,
             **{name: getattr(request, name) for name in (
                 'position_tolerance', 'heading_tolerance', 'robot_deviation', 'odometry_slope',
                 'odometry_drift', 'center_deviation', 'contact_friction_deviation',
@@ -87,7 +88,7 @@ def run_push(job: Job) -> Record:
         case, plan = scenario(job['kind'], job['seed'], job['stress'])
     except PlanningFailed as failure:
         return {'outcome': '', 'reason': failure.reason}
-    result = simulate(case, plant_type=_push_plant(job['is_spatial']))
+    result = simulate(case, plant_type=push_plant(is_spatial=job['is_spatial']))
     record: Record = {
         'outcome': result.outcome.value, 'reason': result.reason,
         'planned_time': plan.motion.duration, 'path_length': plan.motion.path_length,
@@ -101,16 +102,26 @@ def run_push(job: Job) -> Record:
     return record
 
 
-def _push_plant(is_spatial: bool) -> type[Plant]:
+def push_plant(*, is_spatial: bool) -> type[Plant]:
+    """
+    Choose what moves object and robot of a steered push.
+
+    :param is_spatial: whether the foreign engine does.
+    """
     if not is_spatial:
         return Plant
     # Imported here, as they come with an extra.
     from benchmarks.tasks.spatial_plant import SpatialPlant
-    from push_mujoco.scene import BASE_MASS, TUNED
+    from push_mujoco.scene import TUNED
 
     class HoldingPlant(SpatialPlant):
-        """MuJoCo as in its validation: its default contacts slip, and lose any steered push."""
+        """
+        MuJoCo as in its validation: its default contacts slip, and lose any steered push.
 
-        engine = dataclasses.replace(TUNED, step=STEP, bumper_mass=BASE_MASS)
+        The bumper follows the height of the object. One that keeps its own rubs upwards on the
+        soft feet: the object hops, and the contact chatters.
+        """
+
+        engine = dataclasses.replace(TUNED, step=STEP)
 
     return HoldingPlant

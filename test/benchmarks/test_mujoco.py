@@ -3,7 +3,9 @@
 import dataclasses
 import math
 import statistics
+from typing import Any
 
+from benchmarks.chances.runs import push_plant
 from helpers.extras import import_extra
 from push_model.geometry import Pose
 from push_model.signals import STOP
@@ -118,3 +120,16 @@ def test_difference_shrinks_as_the_push_slows_down():
         push = comparison.Push('uneven box', 3.0, 0.3, 0.6, 0.02, (speed, 0.0), distance=0.4)
         angles.append(difference(push, dataclasses.replace(TUNED, step=5e-4))[1])
     assert angles[0] > 1.3 * angles[1] > 1.6 * angles[2] > 1.6 * angles[3]
+
+
+@pytest.mark.parametrize('push', PUSHES[:3], ids=lambda push: f'{push.offset} m, {push.speed}')
+def test_plant_of_steered_pushes_holds_the_contact_as_the_own_plant_does(push: Any) -> None:
+    """The bumper must not rub upwards: the object would hop, and rotate by a degree in 0.1 m."""
+    poses = []
+    for plant_type in (Plant, push_plant(is_spatial=True)):
+        plant = plant_type(push.object, push.robot, Pose(0.0, 0.0, 0.0), push.robot_pose())
+        for _ in range(round(0.1 / push.speed[0] / 0.02)):
+            plant.advance(0.02, push.command)
+        poses.append(plant.object_pose)
+    distance, angle = pose_difference(*poses)
+    assert distance < 1e-4 and math.degrees(angle) < 0.03
