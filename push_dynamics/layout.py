@@ -94,9 +94,6 @@ SUPPORT_SIZE = 8
 # Number of columns of a floor patch, see ``floor.floor_rows``.
 PATCH_SIZE = 8
 
-# Number of columns of a wall, see ``walls.wall_rows``.
-WALL_SIZE = 5
-
 # Columns of a touch of object and wall: unit normal from the wall to the object, arms of it and of
 # the tangent about the mass centre [m], gap [m], normal velocity that the object needs at least
 # [m/s], impulses along normal and tangent [N s].
@@ -133,7 +130,7 @@ class World(NamedTuple):
         that nor energies are asked for.
     :param drive: lag and limits of the robot's drive, shape (3,).
     :param command: (v_x, v_y, omega) asked of the robot, its own axes [m/s, rad/s].
-    :param walls: rows of ``walls.wall_rows``; none on open floor.
+    :param walls: ``wall_grid.WallGrid``; ``NO_WALLS`` on open floor.
     :param touches: room for touches of object and walls, shape (m, ``TOUCH_SIZE``), is written.
     """
 

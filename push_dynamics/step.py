@@ -164,6 +164,7 @@ def stop_robot(state: Any, body: Any, walls: Any, lacking: Velocity, h: float) -
     """
     Take from the robot, at the end of a step, the velocity that walls do not let it have.
 
+    :param walls: ``WallGrid``.
     :param lacking: what it lacks at the contact, as walls hold the object, world axes.
     """
     c, s = math.cos(state[ROBOT_THETA]), math.sin(state[ROBOT_THETA])
@@ -228,7 +229,7 @@ def step(world: World, h: float) -> None:
                               tracked.mean_omega, h)
     robot = Velocity(u_x, u_y, tracked.mean_omega)
     state[STEPS] += 1
-    is_near = len(walls) > 0 and is_near_walls(state, body, world.outline, walls, robot, h)
+    is_near = len(walls.rows) > 0 and is_near_walls(state, body, world.outline, walls, robot, h)
     if is_near:
         robot = robot_beside_walls(walls, body, state[ROBOT_X], state[ROBOT_Y], robot, h)
     lacking = Velocity(0.0, 0.0, 0.0)

@@ -9,6 +9,7 @@ from push_dynamics.layout import (
     COM_X, COM_Y, DISC_RADIUS, TOUCH_ARM_N, TOUCH_ARM_T, TOUCH_GAP, TOUCH_N_X, TOUCH_N_Y,
     TOUCH_NORMAL, TOUCH_REQUIRED, TOUCH_TANGENTIAL, World,
 )
+from push_dynamics.wall_grid import walls_near
 from push_dynamics.walls import (
     bounding_radius, MAX_DEPTH, required_speed, wall_distance, wall_gap, WallGap,
 )
@@ -59,8 +60,9 @@ def touch_disc(touches: Any, walls: Any, body: Any, pose: Pose, reach: float) ->
     count, radius = 0, body[DISC_RADIUS]
     c, s = math.cos(pose.theta), math.sin(pose.theta)
     com_x, com_y = c * body[COM_X] - s * body[COM_Y], s * body[COM_X] + c * body[COM_Y]
-    for i in range(len(walls)):
-        n_x, n_y, distance = wall_gap(walls[i], pose.x, pose.y, pose.x, pose.y)
+    first, last = walls_near(walls, pose.x, pose.y)
+    for k in range(first, last):
+        n_x, n_y, distance = wall_gap(walls.rows[walls.near[k]], pose.x, pose.y, pose.x, pose.y)
         if -MAX_DEPTH < distance - radius < reach:
             count = add_touch(touches, count, WallGap(n_x, n_y, distance - radius),
                               -radius * n_x - com_x, -radius * n_y - com_y)
@@ -94,7 +96,7 @@ def touch_polygon(touches: Any, walls: Any, body: Any, outline: Any, pose: Pose,
     Find where a polygon touches walls.
 
     :param touches: rows in the order of ``layout``, are written.
-    :param walls: rows of ``wall_rows``.
+    :param walls: ``WallGrid``.
     :param outline: vertices in the object frame, shape (k, 2) [m].
     :param pose: of the object frame.
     :param reach: gap below which a touch counts [m].
@@ -105,16 +107,18 @@ def touch_polygon(touches: Any, walls: Any, body: Any, outline: Any, pose: Pose,
     center_x = pose.x + c * body[COM_X] - s * body[COM_Y]
     center_y = pose.y + s * body[COM_X] + c * body[COM_Y]
     radius = bounding_radius(body, outline) + reach
-    for i in range(len(walls)):
-        if wall_distance(walls[i], center_x, center_y) > radius:
+    first, last = walls_near(walls, center_x, center_y)
+    for k in range(first, last):
+        wall = walls.rows[walls.near[k]]
+        if wall_distance(wall, center_x, center_y) > radius:
             continue
-        if walls[i][4] == 0.0:
-            count = touch_corner(touches, count, walls[i], outline, body, pose, reach)
+        if wall[4] == 0.0:
+            count = touch_corner(touches, count, wall, outline, body, pose, reach)
             continue
-        for k in range(len(outline)):
-            x = pose.x + c * outline[k][0] - s * outline[k][1]
-            y = pose.y + s * outline[k][0] + c * outline[k][1]
-            gap = wall_gap(walls[i], x, y, center_x, center_y)
+        for i in range(len(outline)):
+            x = pose.x + c * outline[i][0] - s * outline[i][1]
+            y = pose.y + s * outline[i][0] + c * outline[i][1]
+            gap = wall_gap(wall, x, y, center_x, center_y)
             if -MAX_DEPTH < gap.distance < reach:
                 count = add_touch(touches, count, gap, x - center_x, y - center_y)
     return count

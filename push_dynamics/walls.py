@@ -16,6 +16,7 @@ from push_dynamics.layout import (
     COM_X, COM_Y, DISC_RADIUS, ROBOT_AT_WALL, ROBOT_RADIUS, ROBOT_X, ROBOT_Y, V_X, V_Y,
     WALL_FORCE_X, WALL_FRICTION, WALL_SLACK, X, Y,
 )
+from push_dynamics.wall_grid import MARGIN, walls_near
 from push_model.geometry import FloatArray
 from push_model.quantity import check, quantity
 
@@ -172,6 +173,20 @@ def required_speed(gap: float, h: float) -> float:
 
 
 @compiled
+def _least_distance(walls: Any, x: float, y: float) -> float:
+    """
+    Find the distance of a point from the nearest wall that is listed there [m].
+
+    :param walls: ``WallGrid``.
+    """
+    least = math.inf
+    first, last = walls_near(walls, x, y)
+    for k in range(first, last):
+        least = min(least, wall_distance(walls.rows[walls.near[k]], x, y))
+    return least
+
+
+@compiled
 def is_near_walls(state: Any, body: Any, outline: Any, walls: Any, robot: Velocity,
                   h: float) -> bool:
     """
@@ -179,6 +194,7 @@ def is_near_walls(state: Any, body: Any, outline: Any, walls: Any, robot: Veloci
 
     Distances are measured when they may have been used up since they were last.
 
+    :param walls: ``WallGrid``.
     :param robot: its velocity without walls, world axes.
     :param h: step [s].
     """
@@ -190,13 +206,11 @@ def is_near_walls(state: Any, body: Any, outline: Any, walls: Any, robot: Veloci
     if state[WALL_SLACK] > travel + MIN_REACH:
         state[WALL_SLACK] -= travel
         return False
-    radius, robot_radius = bounding_radius(body, outline), body[ROBOT_RADIUS]
-    slack = math.inf
-    for i in range(len(walls)):
-        slack = min(slack, wall_distance(walls[i], state[X], state[Y]) - radius)
-        if math.isfinite(robot_radius):
-            slack = min(slack, wall_distance(walls[i], state[ROBOT_X], state[ROBOT_Y])
-                        - robot_radius)
+    slack = min(MARGIN, _least_distance(walls, state[X], state[Y])
+                - bounding_radius(body, outline))
+    if math.isfinite(body[ROBOT_RADIUS]):
+        slack = min(slack, _least_distance(walls, state[ROBOT_X], state[ROBOT_Y])
+                    - body[ROBOT_RADIUS])
     state[WALL_SLACK] = slack - travel
     return slack <= travel + MIN_REACH
 
@@ -210,6 +224,7 @@ def robot_beside_walls(walls: Any, body: Any, x: float, y: float, robot: Velocit
     Its wheels push in the direction in which its motion falls short of what they ask. Hence the
     friction of a wall reduces the speed along it by mu_w times the speed into it.
 
+    :param walls: ``WallGrid``.
     :param x: of the robot at the start [m].
     :param y: the same.
     :param robot: its velocity without walls, world axes.
@@ -218,10 +233,11 @@ def robot_beside_walls(walls: Any, body: Any, x: float, y: float, robot: Velocit
     v_x, v_y, radius = robot.v_x, robot.v_y, body[ROBOT_RADIUS]
     if math.isinf(radius):
         return robot
+    first, last = walls_near(walls, x, y)
     for _ in range(ROBOT_ROUNDS):
         is_stopped = False
-        for i in range(len(walls)):
-            n_x, n_y, distance = wall_gap(walls[i], x, y, x, y)
+        for k in range(first, last):
+            n_x, n_y, distance = wall_gap(walls.rows[walls.near[k]], x, y, x, y)
             missing = required_speed(distance - radius, h) - (n_x * v_x + n_y * v_y)
             if distance - radius < -MAX_DEPTH or missing <= SPEED_ROUNDING:
                 continue

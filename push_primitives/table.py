@@ -18,9 +18,10 @@ from push_dynamics.compiled import compiled
 from push_dynamics.encoding import body_values, drive_values, NO_OUTLINE, support_rows
 from push_dynamics.layout import (
     COM_X, COM_Y, PATCH_SIZE, ROBOT_OMEGA, ROBOT_THETA, ROBOT_V_X, ROBOT_X, ROBOT_Y, STATE_SIZE,
-    THETA, TOUCH_SIZE, WALL_SIZE, World, X, Y,
+    THETA, TOUCH_SIZE, World, X, Y,
 )
 from push_dynamics.step import advance
+from push_dynamics.wall_grid import NO_WALLS
 from push_model.friction import friction_center
 from push_model.geometry import BoolArray, FloatArray, IntArray
 from push_model.parameters import PushedObject, RoundRobot
@@ -213,7 +214,7 @@ def build_table(obj: PushedObject, robot_radius: float, *, seed: int = 0,
         forces=np.zeros(2 * len(obj.supports)),
         drive=np.array(drive_values(robot)),
         command=np.zeros(3),
-        walls=np.zeros((0, WALL_SIZE)),
+        walls=NO_WALLS,
         touches=np.zeros((0, TOUCH_SIZE)))
     driven_lengths = np.array(lengths, dtype=float)
     # One by one: a signal is noticed between two calls.

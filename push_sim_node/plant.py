@@ -15,6 +15,7 @@ from push_dynamics.floor import floor_rows, FloorPatch
 from push_dynamics.layout import World
 from push_dynamics.step import advance, step_count
 from push_dynamics.touches import MAX_TOUCHES
+from push_dynamics.wall_grid import NO_WALLS, touch_reach, wall_grid
 from push_dynamics.walls import Wall, wall_rows
 from push_model.friction import check_tipping, has_heights
 from push_model.geometry import Pose
@@ -118,7 +119,7 @@ class Plant:
             forces=array([0.0] * (2 * len(obj.supports))),
             drive=array(drive),
             command=array(STOP),
-            walls=array(np.zeros((0, layout.WALL_SIZE))),
+            walls=NO_WALLS,
             touches=array(np.zeros((0, layout.TOUCH_SIZE))))
         self.set_walls(walls)
         self._has_walls = bool(walls)
@@ -150,9 +151,10 @@ class Plant:
 
         :param walls: ``Wall`` sequence; rows of a tape keep the columns that they have.
         """
-        array = self._kernel.array
+        array, reach = self._kernel.array, touch_reach(self.obj, self.robot.radius)
+        grid = wall_grid(wall_rows(walls), reach)
         self._world = self._world._replace(
-            walls=array(np.reshape(wall_rows(walls), (-1, layout.WALL_SIZE))),
+            walls=grid if self._kernel.is_compiled else grid.as_lists(),
             touches=array(np.zeros((MAX_TOUCHES if walls else 0, layout.TOUCH_SIZE))))
         for i in range(layout.WALL_SLACK, layout.ROBOT_AT_WALL + 1):
             self._world.state[i] = 0.0

@@ -12,8 +12,9 @@ from typing import NamedTuple, Sequence
 import numpy as np
 from push_control.perception.ensemble.ensemble_reading import EnsembleReading
 from push_control.perception.ensemble.members import Members, OBJECT, ROBOT
-from push_dynamics.layout import TOUCH_SIZE, WALL_SIZE
+from push_dynamics.layout import TOUCH_SIZE
 from push_dynamics.touches import MAX_TOUCHES
+from push_dynamics.wall_grid import touch_reach, wall_grid
 from push_dynamics.walls import Wall, wall_rows
 from push_model.geometry import FloatArray, Pose
 from push_primitives.cost_to_go import CostToGo
@@ -70,7 +71,8 @@ class RolloutLaw:
         :param walls: that object and robot may touch.
         """
         self._members = members
-        self._walls: FloatArray = np.reshape(wall_rows(walls), (-1, WALL_SIZE))
+        self._walls = wall_grid(wall_rows(walls),
+                                touch_reach(members.obj, members.robot_radius))
         self._touches: FloatArray = np.zeros((MAX_TOUCHES, TOUCH_SIZE))
         # Numbers of those that are rolled out.
         self._chosen = np.linspace(0, members.count - 1, ROLLED_OUT).astype(int)

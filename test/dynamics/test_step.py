@@ -14,6 +14,7 @@ from push_dynamics.encoding import (
 from push_dynamics.floor import floor_rows, FloorPatch, set_local_capacities
 from push_dynamics.step import advance, step
 from push_dynamics.support_friction import augmented_mass, velocity_of
+from push_dynamics.wall_grid import NO_WALLS
 from push_model.contact import find_contact
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
@@ -49,7 +50,7 @@ class Kernel:
         return layout.World(
             self.state, self.body, self.supports, self.outline, kernel_array(floor), self.forces,
             kernel_array(drive_values(ROBOT)), self.command,
-            kernel_array(np.zeros((0, layout.WALL_SIZE))),
+            NO_WALLS,
             kernel_array(np.zeros((0, layout.TOUCH_SIZE))))
 
     def numbers(self, *indices):

@@ -16,6 +16,7 @@ from push_dynamics import layout
 from push_dynamics.compiled import closest_on_polygon, kernel_array
 from push_dynamics.encoding import body_values, initial_state, NO_OUTLINE, support_rows
 from push_dynamics.touches import MAX_TOUCHES
+from push_dynamics.wall_grid import NO_WALLS, touch_reach, wall_grid
 from push_dynamics.walls import Wall, wall_rows
 from push_model.contact import robot_gap
 from push_model.geometry import BoolArray, FloatArray, Pose
@@ -102,7 +103,7 @@ class Members:
             forces=np.zeros(0),
             drive=np.array(IDEAL_DRIVE),
             command=np.zeros(3),
-            walls=np.zeros((0, layout.WALL_SIZE)),
+            walls=NO_WALLS,
             touches=np.zeros((0, layout.TOUCH_SIZE)))
         # By how much the walls of each member are elsewhere (x, y, x, y) [m]; None for not at all.
         self._wall_errors: FloatArray | None = None
@@ -226,7 +227,7 @@ class Members:
         """
         self._wall_errors = None if errors is None or not walls else np.tile(errors, 2)
         self.worlds = self.worlds._replace(
-            walls=np.reshape(wall_rows(walls), (-1, layout.WALL_SIZE)),
+            walls=wall_grid(wall_rows(walls), touch_reach(self.obj, self.robot_radius)),
             touches=np.zeros((MAX_TOUCHES, layout.TOUCH_SIZE)))
         # Distances to them are measured anew.
         self.states[:, layout.WALL_SLACK] = 0.0
