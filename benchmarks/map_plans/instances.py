@@ -3,7 +3,8 @@
 import math
 from typing import NamedTuple
 
-from benchmarks.tasks.cases import CLEARANCE, draw, FLATS, ROBOTS
+from benchmarks.tasks.cases import CLEARANCE, draw, FLATS
+from benchmarks.tasks.drawn_scenario import ROBOTS
 from benchmarks.tasks.maps import drawn_map, inner_reach, reach
 from benchmarks.tasks.nooks import draw_nook_task, Nook, pose_in, walled
 from benchmarks.tasks.public_maps import draw_public_task

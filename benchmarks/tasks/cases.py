@@ -10,9 +10,10 @@ import dataclasses
 import math
 from typing import Any, Callable, NamedTuple, Optional, Sequence
 
-from benchmarks.controller.cases import objects, SENSORS, STRESSES
+from benchmarks.controller.cases import SENSORS
 from benchmarks.controller.tables import Job
 from benchmarks.tasks.bases import bad_base, BAD_BASES, GOOD, LEARNED, NOT_LEARNED
+from benchmarks.tasks.drawn_scenario import draw_bodies, make_scenario, ROBOTS, TaskPoses
 from benchmarks.tasks.eyes import ALWAYS_SEEN, EYES, eyes_scenario
 from benchmarks.tasks.intervention import Disturbance, Intervention
 from benchmarks.tasks.maps import (
@@ -23,18 +24,13 @@ from benchmarks.tasks.public_maps import draw_public_task
 from benchmarks.tasks.varieties import STRIDE, varied_jobs
 import numpy as np
 from push_model.contact import find_contact
-from push_model.files import data
-from push_model.files.parameter_files import read_robot
 from push_model.geometry import distance, Pose
 from push_model.parameters import PushedObject, RoundRobot
-from push_planner.settings import PlannerSettings
 from push_scenario.definition.expected_poses import with_sensors
-from push_scenario.definition.placement import Placement
-from push_scenario.definition.scenario import Scenario, Start
+from push_scenario.definition.scenario import Scenario
 from push_scenario.definition.task import Task
 from push_sim_node.lidar import LidarSensorSettings
 from push_sim_node.sensors import SensorSettings
-from push_sim_node.simulation import SimulationSettings
 
 OPEN = 'open floor'
 IN_MAPS = 'maps'
@@ -66,7 +62,6 @@ BASE_PARTS = (BASES, SPATIAL_BASES)
 LIDAR_PARTS = (FAR_ROBOTS, PUBLIC_MAPS)
 # Parts whose object is not always seen.
 EYES_PARTS = (OWN_EYES, SPATIAL_EYES)
-ROBOTS = {'differential': 'disc_017', 'holonomic': 'holonomic_017'}
 OBJECTS = ('box_04', 'carton', 'coffee_table', 'bin')
 # A table that is 0.9 m long cannot be rotated between the walls, and the other engine has only
 # boxes and cylinders; a differential drive cannot hold its contact on a round side.
@@ -97,8 +92,6 @@ CLEARANCE = 0.05
 # drop-out [s], chosen: 40 periods of the pose.
 LATEST = 30.0
 MAX_DROPOUT = 2.0
-# Simulated time after which a task is given up [s]; chosen: far longer than tasks take.
-TIME_LIMIT = 900.0
 # True contact friction of slippery contacts, where 0.5 is believed: range that was set for tasks.
 SLIPPERY_FRICTION = 0.15, 0.3
 # Slip over the distance pushed at the friction limit; half of it under half the load, which is
@@ -217,7 +210,7 @@ def draw(part: str, kind: str, seed: int, base: str = LEARNED, maps: str = '') -
         return _by_lidar(_at_walls(kind, seed))
     if part in (OPEN, IN_MAPS, FLATS, DISTURBED):
         return _draw(part, kind, seed)
-    rng = np.random.default_rng((PARTS.index(part), KINDS[part].index(kind), seed))
+    rng = _rng(part, kind, seed)
     if part == STRICT:
         # Every task comes once with each tolerance.
         number, index = divmod(seed, len(STRICT_TOLERANCES))
@@ -243,11 +236,9 @@ def _draw(part: str, kind: str, seed: int, maps: str = '') -> Case:
     """Draw a task on open floor, in a map, or disturbed."""
     if part == PUBLIC_MAPS:
         return _in_public_map(kind, seed, maps)
-    rng = np.random.default_rng((PARTS.index(part), KINDS[part].index(kind), seed))
-    name, drive = kind.split(', ')
-    robot = read_robot(data.config_file(f'robots/{ROBOTS[drive]}.yaml'))
-    believed, true = objects(name, rng, STRESSES[0], seed)
-    speed = rng.uniform(0.1, 0.25)
+    rng = _rng(part, kind, seed)
+    bodies = draw_bodies(kind, seed, rng)
+    true, robot = bodies.true_object, bodies.robot
     dropouts: tuple[tuple[float, float], ...] = ()
     floor, variety, intervention = None, '', None
     if part in (IN_MAPS, FLATS, FAR_ROBOTS):
@@ -265,51 +256,39 @@ def _draw(part: str, kind: str, seed: int, maps: str = '') -> Case:
                                     rng.uniform(-math.pi, math.pi))
         begin = rng.uniform(0.0, LATEST)
         dropouts = ((begin, begin + rng.uniform(0.0, MAX_DROPOUT)),)
-    return Case(Scenario(
-        name='random', description=f'{part}, {kind}, seed {seed}', object=believed,
-        true_object=true, robot=robot, true_robot=robot, goal=Placement(*goal),
-        start=Start(object=Placement(*start), robot=Placement(*robot_start)),
-        planner=PlannerSettings(pushing_speed=speed),
-        sensors=dataclasses.replace(SENSORS, pose_dropouts=dropouts),
-        simulation=SimulationSettings(seed=seed), time_limit=TIME_LIMIT,
-        task=Task(map=None if floor is None else floor.map)), variety, floor, intervention)
+    scenario = make_scenario(f'{part}, {kind}, seed {seed}', bodies,
+                             TaskPoses(start, goal, robot_start), seed,
+                             None if floor is None else floor.map)
+    sensors = dataclasses.replace(SENSORS, pose_dropouts=dropouts)
+    return Case(dataclasses.replace(scenario, sensors=sensors), variety, floor, intervention)
 
 
 def _in_public_map(kind: str, seed: int, maps: str) -> Case:
     """Draw a task in a map of others; consecutive tasks are in different ones."""
     kinds = KINDS[PUBLIC_MAPS]
-    rng = np.random.default_rng((PARTS.index(PUBLIC_MAPS), kinds.index(kind), seed))
-    name, drive = kind.split(', ')
-    robot = read_robot(data.config_file(f'robots/{ROBOTS[drive]}.yaml'))
-    believed, true = objects(name, rng, STRESSES[0], seed)
-    speed = rng.uniform(0.1, 0.25)
-    task = draw_public_task(maps, len(kinds) * seed + kinds.index(kind), true, robot, rng)
-    return Case(Scenario(
-        name='random', description=f'{task.name}, {kind}, seed {seed}', object=believed,
-        true_object=true, robot=robot, true_robot=robot, goal=Placement(*task.goal),
-        start=Start(object=Placement(*task.start), robot=Placement(*task.robot_start)),
-        planner=PlannerSettings(pushing_speed=speed), sensors=SENSORS,
-        simulation=SimulationSettings(seed=seed), time_limit=TIME_LIMIT,
-        task=Task(map=task.floor_map)))
+    rng = _rng(PUBLIC_MAPS, kind, seed)
+    bodies = draw_bodies(kind, seed, rng)
+    task = draw_public_task(maps, len(kinds) * seed + kinds.index(kind), bodies.true_object,
+                            bodies.robot, rng)
+    poses = TaskPoses(task.start, task.goal, task.robot_start)
+    return Case(make_scenario(f'{task.name}, {kind}, seed {seed}', bodies, poses, seed,
+                              task.floor_map))
 
 
 def _at_walls(kind: str, seed: int) -> Case:
     """Draw a task from walls, to walls or along them."""
-    rng = np.random.default_rng((PARTS.index(WALLS), KINDS[WALLS].index(kind), seed))
-    name, drive = kind.split(', ')
-    robot = read_robot(data.config_file(f'robots/{ROBOTS[drive]}.yaml'))
-    believed, true = objects(name, rng, STRESSES[0], seed)
-    speed = rng.uniform(0.1, 0.25)
+    rng = _rng(WALLS, kind, seed)
+    bodies = draw_bodies(kind, seed, rng)
     nook = POSSIBLE[seed % len(POSSIBLE)]
-    task = draw_nook_task(nook, true, robot, rng, is_square=bool(rng.integers(2)),
-                          resolution=float(rng.choice(CELLS)))
-    return Case(Scenario(
-        name='random', description=f'{WALLS}, {kind}, seed {seed}', object=believed,
-        true_object=true, robot=robot, true_robot=robot, goal=Placement(*task.goal),
-        start=Start(object=Placement(*task.start), robot=Placement(*task.robot_start)),
-        planner=PlannerSettings(pushing_speed=speed), sensors=SENSORS,
-        simulation=SimulationSettings(seed=seed), time_limit=TIME_LIMIT,
-        task=Task(map=drawn_map(task.occupancy_map))), nook.value)
+    task = draw_nook_task(nook, bodies.true_object, bodies.robot, rng,
+                          is_square=bool(rng.integers(2)), resolution=float(rng.choice(CELLS)))
+    poses = TaskPoses(task.start, task.goal, task.robot_start)
+    return Case(make_scenario(f'{WALLS}, {kind}, seed {seed}', bodies, poses, seed,
+                              drawn_map(task.occupancy_map)), nook.value)
+
+
+def _rng(part: str, kind: str, seed: int) -> np.random.Generator:
+    return np.random.default_rng((PARTS.index(part), KINDS[part].index(kind), seed))
 
 
 def _goal(rng: np.random.Generator) -> Pose:
