@@ -31,16 +31,18 @@ def footprint_clearance(distances: Any, cells_per_metre: float, footprint: Any, 
     :param footprint: vertices of a convex polygon, counter-clockwise, shape (n, 2) [m], and the
         radius by which it is inflated [m]; a disc has one vertex.
     :param pose: (x, y, theta) of the footprint in the frame of the map.
-    :param enough: clearance from which on no exact value is needed [m].
+    :param enough: clearance from which on no exact value is needed [m]; below 0 where an overlap
+        is allowed.
     :return: distance [m], negative where the footprint overlaps an obstacle or leaves the map.
     """
     vertices, radius = footprint
     side = 1.0 / cells_per_metre
     rows, columns = distances.shape[0] - 2, distances.shape[1] - 2
     box = _bounds(vertices, pose)
-    least = min(enough + radius, box[0], columns * side - box[1], box[2], rows * side - box[3])
-    if least < radius and least <= 0.0:
-        return least - radius
+    to_rim = min(box[0], columns * side - box[1], box[2], rows * side - box[3])
+    if to_rim < radius and to_rim <= 0.0:
+        return to_rim - radius
+    least = min(enough + radius, to_rim)
     around = max(0.0, least)
     first = max(0, int(math.floor((box[0] - around) * cells_per_metre)))
     last = min(columns - 1, int(math.floor((box[1] + around) * cells_per_metre)))

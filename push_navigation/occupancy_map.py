@@ -194,9 +194,7 @@ class OccupancyMap:
         :param margin: distance [m].
         :return: shape (n,).
         """
-        # How far an overlap goes has to be measured where one is allowed.
-        clearances = self.object_clearances(obj, poses, max(0.0, margin))
-        return clearances < margin - TOUCHING
+        return self.object_clearances(obj, poses, margin) < margin - TOUCHING
 
     def object_clearance(self, obj: PushedObject, poses: ArrayLike) -> float:
         """

@@ -18,7 +18,7 @@ from push_planner.straight.map_search.pushes import FIRST, make_pushes
 from push_planner.straight.map_search.reachable_set import SPACING
 from push_planner.straight.map_search.scene import make_scene
 from push_planner.straight.map_search.search import COARSE, FINE, MapSearch, Margins, SearchEnd
-from push_planner.straight.map_search.successors import expand
+from push_planner.straight.map_search.successors import expand, NEW_OVERLAP
 from push_primitives.store import load_primitives
 import pytest
 from scipy.ndimage import label
@@ -31,7 +31,8 @@ SETTINGS = SearchSettings(0.01, 0.02, accepted_error=0.015, open_radius=1.0, con
                           pushing_speed=0.2, robot_speed=0.3)
 # Object, robot and goal, in the frame of a map whose middle is (3, 3).
 POSES = Pose(1.6, 3.2, 0.4), Pose(2.1, 2.1, 1.0), Pose(4.4, 3.3, 1.0)
-# A room with a wall across it and a door, and a table.
+# A room with a wall across it and a door, and a table, whose right edge is here in the map [m].
+TABLE_EDGE = 1.1
 ROOM = walled_room((-0.05, 0.05, -3.0, -0.6), (-0.05, 0.05, 0.6, 3.0), (-2.4, -1.9, -0.6, 0.2))
 
 
@@ -109,6 +110,18 @@ def test_successors_are_free_and_the_robot_gets_to_their_contacts(occupancy_map)
         assert occupancy_map.clearance([end[:2]])[0] >= ROBOT.radius
         before = start @ contact @ Pose(-STANDOFF, 0.0, 0.0)
         assert region_at(regions, before) == region_at(regions, robot) > 0
+
+
+@pytest.mark.parametrize('gap', [0.01, -0.01])
+def test_pushes_beside_an_obstacle_make_no_new_overlap(gap: float) -> None:
+    """An object at the table may slide along it, but is not pushed into it."""
+    start = Pose(TABLE_EDGE + 0.2 + gap, 3.1, 0.0)
+    nodes, indices = successors(ROOM, (start, *POSES[1:]))
+    assert len(nodes) > 5
+    for node, push in zip(nodes, indices):
+        end = Pose(*pushes().means[FIRST, push, pushes().lengths <= node[LENGTH] + 1e-9][-1])
+        clearance = ROOM.object_clearance(BOX, [ROOM.origin @ start @ end])
+        assert clearance >= min(gap, 0.0) - NEW_OVERLAP - 1e-6
 
 
 def robot_regions(occupancy_map, start, spacing=0.02):
