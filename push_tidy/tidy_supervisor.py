@@ -9,7 +9,7 @@ single object, and tells how that ended:
 
 After each move the order is planned from where all objects are then. A move that has failed does
 not come next, unless nothing else can be moved; an object whose moves fail too often is given up,
-and the others go on.
+or no longer moved aside, and the others go on.
 """
 
 from collections import Counter
@@ -27,7 +27,8 @@ from push_navigation.settings import DriveSettings
 from push_planner.rearrangement.order import plan_order
 from push_planner.rearrangement.problem import Move, NamedObject, OrderPlan, Rearrangement
 
-# Moves of one object that may fail, and moves in all for each object; chosen.
+# Moves of one object that may fail, to its goal and likewise aside, and moves in all for each
+# object; chosen.
 MAX_FAILURES = 3
 MAX_MOVES_PER_OBJECT = 4
 
@@ -128,7 +129,8 @@ class TidySupervisor:
         self._poses: dict[str, Pose] = {}
         self._move: Move | None = None
         self._end: Report[ObjectFailure] | None = None
-        self._failed: Counter[str] = Counter()
+        # By name, and whether the moves were to a temporary place.
+        self._failed: Counter[tuple[str, bool]] = Counter()
         self._refused: frozenset[tuple[str, Pose]] = frozenset()
         self._given_up: dict[str, Report[ObjectFailure]] = {}
         self.moves = 0
@@ -176,8 +178,8 @@ class TidySupervisor:
             self._refused = frozenset()
             return
         self._refused |= {(move.name, move.end)}
-        self._failed[move.name] += 1
-        if self._failed[move.name] >= MAX_FAILURES:
+        self._failed[move.name, move.is_temporary] += 1
+        if self._failed[move.name, False] >= MAX_FAILURES:
             self._given_up[move.name] = ObjectFailure.PUSHES_FAILED.report(reason=failure)
 
     def cancel(self, cause: AnyReport | str) -> None:
@@ -202,9 +204,11 @@ class TidySupervisor:
         objects = tuple(
             goal.seen_at(self._poses[name], has_goal=name not in self._given_up)
             for name, goal in self._goals.items())
+        fixed = frozenset(name for (name, is_temporary), count in self._failed.items()
+                          if is_temporary and count >= MAX_FAILURES)
         return self._find_order(Rearrangement(
             objects, self._robot, scene.robot_pose, scene.occupancy_map, self._drive,
-            self._refused))
+            self._refused, fixed))
 
     def _status(self, goal: ObjectGoal) -> ObjectStatus:
         move = self._move

@@ -205,13 +205,15 @@ class _OrderSearch:
     def _move_aside(self, node: _Node, unplaced: list[int]) -> None:
         """Move what stands in the way to temporary places."""
         asides = [step.moved for step in node.steps if step.place > GOAL]
+        bodies = self._placements.bodies
         tried: set[int] = set()
         for index in self._sorted(node, unplaced):
             for other in self._obstructing(node, index):
                 if self._is_spent:
                     self._is_complete = False
                     return
-                if other in tried or asides.count(other) == MAX_TEMPORARY:
+                if (other in tried or asides.count(other) == MAX_TEMPORARY
+                        or bodies[other].name in self._problem.fixed):
                     continue
                 tried.add(other)
                 if not self._try_places(node, other, unplaced):

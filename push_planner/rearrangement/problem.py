@@ -45,6 +45,7 @@ class Rearrangement(NamedTuple):
     :param drive: ``DriveSettings``.
     :param refused_moves: (name, end) of moves that turned out to be impossible from where all
         stand now: none of them comes first.
+    :param fixed: names of objects that no move brings aside.
     """
 
     objects: tuple[NamedObject, ...]
@@ -53,6 +54,7 @@ class Rearrangement(NamedTuple):
     occupancy_map: OccupancyMap
     drive: DriveSettings = DriveSettings()
     refused_moves: frozenset[tuple[str, Pose]] = frozenset()
+    fixed: frozenset[str] = frozenset()
 
 
 class Move(NamedTuple):

@@ -86,6 +86,15 @@ def test_an_object_whose_moves_fail_is_given_up_and_the_other_gets_to_its_goal()
     assert supervisor.placed_count == 1
 
 
+def test_what_cannot_be_moved_aside_is_not_tried_for_ever() -> None:
+    """A bin at the goal of a box does not move: the box is blocked, by its code."""
+    goals = [ObjectGoal('a', box(), MIDDLE), ObjectGoal('bin', bin_())]
+    room, supervisor = Room(goals), TidySupervisor(goals, ROBOT)
+    moves = room.run(supervisor, fails=lambda move: move.name == 'bin')
+    assert [move.name for move in moves] == ['bin'] * MAX_FAILURES
+    assert codes(supervisor) == {'a': ObjectFailure.BLOCKED}
+
+
 def test_a_move_that_failed_once_is_repeated_where_nothing_else_can_be_moved() -> None:
     """The only object gets a second chance."""
     goals = [ObjectGoal('a', box(), RIGHT)]
