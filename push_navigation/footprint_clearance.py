@@ -42,7 +42,8 @@ def footprint_clearance(distances: Any, cells_per_metre: float, footprint: Any, 
     to_rim = min(box[0], columns * side - box[1], box[2], rows * side - box[3])
     if to_rim < radius and to_rim <= 0.0:
         return to_rim - radius
-    least = min(enough + radius, to_rim)
+    most = enough + radius
+    least = min(most, to_rim)
     around = max(0.0, least)
     first = max(0, int(math.floor((box[0] - around) * cells_per_metre)))
     last = min(columns - 1, int(math.floor((box[1] + around) * cells_per_metre)))
@@ -60,7 +61,8 @@ def footprint_clearance(distances: Any, cells_per_metre: float, footprint: Any, 
             else:
                 # The edge of the next square in the row is as far away.
                 j += max(1, int(free * cells_per_metre + 1.0))
-    return least - radius
+    # Rounding of the sum must not make less of what is enough.
+    return enough if least >= most else least - radius
 
 
 @compiled

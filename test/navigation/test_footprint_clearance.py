@@ -7,7 +7,9 @@ from helpers.maps import scattered_cells
 from helpers.objects import bin_, box
 import numpy as np
 from push_model.geometry import convex_hull, Pose
-from push_navigation.occupancy_map import OccupancyMap
+from push_navigation.floor import make_floor
+from push_navigation.footprint_clearance import footprint_clearance
+from push_navigation.occupancy_map import footprint, OccupancyMap
 import pytest
 from scipy.optimize import linprog, minimize
 
@@ -116,3 +118,12 @@ def test_a_margin_may_be_an_overlap(obj):
         clearance = floor.object_clearance(obj, [pose])
         for margin in (-0.33, -0.12, -0.04, -0.02, 0.02, 0.12):
             assert floor.object_is_free(obj, [pose], margin) is bool(clearance > margin)
+
+
+@pytest.mark.parametrize('obj', [box(), bin_()], ids=['box', 'bin'])
+def test_what_is_enough_is_never_less(obj):
+    """Where there is more room, at least what is asked for comes back, whatever is rounded."""
+    floor = make_floor(OccupancyMap(SIDE, Pose(0.0, 0.0, 0.0), np.zeros((60, 60), dtype=bool)))
+    for enough in np.linspace(-0.1, 0.5, 301).tolist():
+        assert footprint_clearance(floor.distances, floor.cells_per_metre, footprint(obj),
+                                   (1.5, 1.5, 0.3), enough) >= enough
