@@ -86,8 +86,7 @@ class Lidar:
         """
         self._settings = settings
         self._outline = np.array(obj.outline or _circle(obj.radius))
-        self._walls = np.array([(wall.start_x, wall.start_y, wall.end_x, wall.end_y)
-                                for wall in walls]).reshape(-1, 4)
+        self.set_walls(walls)
         self._noise = noise
         self._visitor: FloatArray = np.zeros((0, 4))
         self._poses: list[BodyPoses] = []
@@ -107,6 +106,15 @@ class Lidar:
         oldest = poses.time - self.period - RESERVE
         while len(self._poses) > 1 and self._poses[1].time < oldest:
             del self._poses[0]
+
+    def set_walls(self, walls: Sequence[Wall]) -> None:
+        """
+        Replace the walls.
+
+        :param walls: ``Wall`` sequence.
+        """
+        self._walls = np.array([(wall.start_x, wall.start_y, wall.end_x, wall.end_y)
+                                for wall in walls]).reshape(-1, 4)
 
     def show(self, outline: FloatArray) -> None:
         """

@@ -1,23 +1,22 @@
 """
-Several objects in one simulation: one of them can be pushed, the others stand as walls.
+Several objects in one simulation: one of them is pushed, the others stand.
 
 Time, robot and odometry go on as another one comes to be pushed. Which one that is the caller
-states, or it is the one that the robot is nearest to: then the robot moves whatever it bumps into.
-What the pushed object bumps into stops it.
+states, or it is the one that the robot is nearest to. What robot or pushed object bump into gives
+way, and so does what that bumps into.
 """
 
 from collections.abc import Callable, Mapping
-import dataclasses
 import functools
 import math
-from typing import NamedTuple
 
 import numpy as np
 from push_dynamics.walls import Wall
 from push_model.contact import find_contact
 from push_model.geometry import Pose, wrap_angle
-from push_model.parameters import PushedObject, RoundRobot
+from push_model.parameters import RoundRobot
 from push_model.signals import ObjectPose
+from push_sim_node.bumped_object import displaced_pose, PlacedDisc, PlacedObject
 from push_sim_node.plant import Plant
 from push_sim_node.sensors import SensorSettings
 from push_sim_node.settings import SimulationSettings
@@ -34,32 +33,20 @@ REST_SPEED, REST_YAW_RATE = 1e-4, 1e-3
 STANDING_STREAM = 2
 
 
-class PlacedObject(NamedTuple):
-    """
-    An object and where it is.
-
-    :param obj: the true ``PushedObject``.
-    :param pose: its ``Pose`` in the world.
-    """
-
-    obj: PushedObject
-    pose: Pose
-
-    @property
-    def walls(self) -> list[Wall]:
-        """The ``Wall`` along each side of its outline."""
-        outline = self.obj.outline
-        if not outline:
-            angles = np.arange(DISC_SIDES) * (2.0 * math.pi / DISC_SIDES)
-            outline = tuple((self.obj.radius * math.cos(angle), self.obj.radius * math.sin(angle))
-                            for angle in angles.tolist())
-        points = [self.pose.transform(corner) for corner in outline]
-        return [Wall(*start, *end) for start, end in zip(points, points[1:] + points[:1])]
+def outline_walls(item: PlacedObject) -> list[Wall]:
+    """List the ``Wall`` along each side of the outline of an object."""
+    outline = item.obj.outline
+    if not outline:
+        angles = np.arange(DISC_SIDES) * (2.0 * math.pi / DISC_SIDES)
+        outline = tuple((item.obj.radius * math.cos(angle), item.obj.radius * math.sin(angle))
+                        for angle in angles.tolist())
+    points = [item.pose.transform(corner) for corner in outline]
+    return [Wall(*start, *end) for start, end in zip(points, points[1:] + points[:1])]
 
 
 class RoomSimulation:
     """
-    Several objects, of which one can be pushed.
+    Several objects, of which one is pushed.
 
     ``simulation``: the ``Simulation``, whose object is that one. ``pushed``: its name.
 
@@ -80,7 +67,7 @@ class RoomSimulation:
         self._settings = settings
         self._make_simulation = functools.partial(
             Simulation, robot=robot, robot_pose=robot_pose, sensors=sensors, interpret=interpret,
-            plant_type=plant_type)
+            plant_type=plant_type, after_motion=self._displace_bumped)
         self.reset()
 
     def reset(self) -> None:
@@ -90,8 +77,8 @@ class RoomSimulation:
         self.pushed = next(iter(self._objects))
         obj, pose = self._objects[self.pushed]
         self.simulation = self._make_simulation(
-            obj, object_pose=pose, settings=dataclasses.replace(
-                self._settings, walls=self._walls_beside(self.pushed)))
+            obj, object_pose=pose, settings=self._settings)
+        self.simulation.show_standing(self._walls_beside(self.pushed))
 
     @property
     def poses(self) -> dict[str, Pose]:
@@ -112,7 +99,8 @@ class RoomSimulation:
         """
         self._note_pose()
         self.pushed = name
-        self.simulation.turn_to(*self._objects[name], self._walls_beside(name))
+        self.simulation.turn_to(*self._objects[name])
+        self.simulation.show_standing(self._walls_beside(name))
 
     def turn_to_nearest(self) -> bool:
         """
@@ -153,10 +141,29 @@ class RoomSimulation:
         pose = _wrapped(self.simulation.plant.object_pose)
         self._objects[self.pushed] = item._replace(pose=pose)
 
+    def _displace_bumped(self) -> None:
+        """Move the objects that robot and pushed object have moved into, one after the other."""
+        plant, others = self.simulation.plant, set(self._objects) - {self.pushed}
+        x, y, _ = plant.robot_pose
+        bodies: list[PlacedObject | PlacedDisc] = [
+            PlacedDisc(x, y, self.simulation.robot.radius),
+            PlacedObject(self.simulation.obj, plant.object_pose)]
+        while bodies:
+            body = bodies.pop()
+            for name in sorted(others):
+                item = self._objects[name]
+                pose = displaced_pose(item, body)
+                if pose != item.pose:
+                    self._objects[name] = item._replace(pose=_wrapped(pose))
+                    bodies.append(self._objects[name])
+                    others.remove(name)
+        if len(others) < len(self._objects) - 1:
+            self.simulation.show_standing(self._walls_beside(self.pushed))
+
     def _walls_beside(self, name: str) -> tuple[Wall, ...]:
-        """List the walls of the room, and those round all objects but one."""
-        others = [item for other, item in self._objects.items() if other != name]
-        return (*self._settings.walls, *(wall for item in others for wall in item.walls))
+        """List the outlines of all objects but one."""
+        return tuple(wall for other, item in self._objects.items() if other != name
+                     for wall in outline_walls(item))
 
     def _gap(self, name: str) -> float:
         """Measure the gap between the robot and an object [m]."""

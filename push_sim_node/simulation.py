@@ -1,7 +1,6 @@
 """Plant and sensors in simulated time: one measurement after the other, and commands between."""
 
-from collections.abc import Callable
-import dataclasses
+from collections.abc import Callable, Sequence
 import enum
 import heapq
 import math
@@ -146,6 +145,7 @@ class Simulation:
     :param interpret: whether the plant runs as plain Python, see ``Plant``.
     :param plant_type: makes a ``Plant`` of the arguments of that class; another engine may move
         the bodies.
+    :param after_motion: called each time that the bodies have moved, before they are measured.
     :raises ValueError: where robot and object overlap, or friction changes under a support that
         does not exist.
     """
@@ -153,7 +153,8 @@ class Simulation:
     def __init__(self, obj: PushedObject, robot: RoundRobot, object_pose: Pose, robot_pose: Pose,
                  settings: SimulationSettings = SimulationSettings(),
                  sensors: SensorSettings = SensorSettings(), *,
-                 interpret: bool = False, plant_type: Callable[..., Plant] = Plant) -> None:
+                 interpret: bool = False, plant_type: Callable[..., Plant] = Plant,
+                 after_motion: Callable[[], None] | None = None) -> None:
         self.obj = obj
         self.robot = robot
         self.settings = settings
@@ -161,6 +162,7 @@ class Simulation:
         self._start = (Pose(*object_pose), Pose(*robot_pose))
         self._interpret = interpret
         self._plant_type = plant_type
+        self._after_motion = after_motion
         self.reset()
 
     def reset(self, object_pose: Pose | None = None) -> None:
@@ -265,7 +267,7 @@ class Simulation:
                 if placed is not None:
                     return placed
 
-    def turn_to(self, obj: PushedObject, object_pose: Pose, walls: tuple[Wall, ...]) -> None:
+    def turn_to(self, obj: PushedObject, object_pose: Pose) -> None:
         """
         Let another object be the one that is pushed and measured; time and robot go on.
 
@@ -273,12 +275,10 @@ class Simulation:
 
         :param obj: the true ``PushedObject``, at rest.
         :param object_pose: its ``Pose`` in the world.
-        :param walls: what stands then.
         :raises ValueError: where robot and object overlap.
         """
         previous = self.plant
         self.obj = obj
-        self.settings = dataclasses.replace(self.settings, walls=walls)
         self.plant = self._make_plant(object_pose, previous.robot_pose)
         self.plant.take_over_robot(previous)
         self._apply_friction()
@@ -298,6 +298,15 @@ class Simulation:
 
     def _make_camera(self) -> Camera:
         return Camera(self.sensors.camera, self.obj, self.robot.radius)
+
+    def show_standing(self, outlines: Sequence[Wall]) -> None:
+        """
+        Let the lidar see objects that stand beside the one that is pushed.
+
+        :param outlines: ``Wall`` along each of their sides; in place of those of before.
+        """
+        if self._lidar is not None:
+            self._lidar.set_walls((*self.settings.walls, *outlines))
 
     def show_visitor(self, outline: FloatArray) -> None:
         """
@@ -370,6 +379,8 @@ class Simulation:
             if until > self._now:
                 self.plant.advance((until - self._now) / NANOSECONDS, self._active_command())
             self._set_now(until)
+            if self._after_motion is not None:
+                self._after_motion()
             self._observe_bodies()
             if until >= disturbed_at:
                 self._disturb()

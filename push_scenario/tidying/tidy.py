@@ -2,8 +2,8 @@
 Bring several objects to their goals in one process.
 
 A ``TidySupervisor`` says which move is next. The other objects are obstacles of the map that robot
-and planner read, and walls of the plant. One simulation makes all moves: odometry drifts on, and
-what was learned of each object is kept.
+and planner read; bumped, they give way, and are measured anew after the move. One simulation makes
+all moves: odometry drifts on, and what was learned of each object is kept.
 """
 
 from collections.abc import Callable, Mapping
@@ -26,7 +26,9 @@ from push_scenario.simulation.robot_control import TaskControl
 from push_scenario.tidying.robot_memory import RobotMemory
 from push_scenario.tidying.room import Room
 from push_scenario.tidying.standing_objects import least_gap, TOUCH_GAP, with_obstacles
-from push_sim_node.room_simulation import PlacedObject, RoomSimulation
+from push_sim_node.bumped_object import PlacedObject
+from push_sim_node.room_simulation import RoomSimulation
+from push_sim_node.tape import Tape
 from push_tidy.obstacles import MARGIN_SIGMAS, StandingObject
 from push_tidy.tidy_supervisor import (
     MeasuredScene, ObjectGoal, OrderPlanner, TidySupervisor)
@@ -57,8 +59,8 @@ class MoveResult(NamedTuple):
 
     :param move: the ``Move``.
     :param run: ``RunResult`` of its pushes.
-    :param touched: least gap of robot or pushed object to each standing object that it touched,
-        by name [m].
+    :param touched: by name least gap [m] of robot or pushed object to each standing object that it
+        touched, below 0 the distance by which that was moved.
     :param progress: ``TidyProgress`` before it.
     """
 
@@ -195,15 +197,30 @@ class _TidyRun:
         run = run_robot(simulation, robot, scenario, observation, progress=progress,
                         localizer=self._localizer)
         self._memory.keep(move.name, robot.supervisor, simulation.time)
-        gaps = {} if run.tape is None else {
-            name: least_gap(run.tape, scenario.true_object, scenario.robot.radius,
-                            StandingObject(self._room.scenarios[name].true_object, pose))
-            for name, pose in before.items() if name != move.name}
-        touched = {name: gap for name, gap in gaps.items() if gap < TOUCH_GAP}
-        result = MoveResult(move, run, touched, now)
+        result = MoveResult(move, run, self._touched(scenario, run.tape, before), now)
         self._moves.append(result)
         self._measured = self._measure()
         return result
+
+    def _touched(self, scenario: Scenario, tape: Tape | None,
+                 before: Mapping[str, Pose]) -> dict[str, float]:
+        """
+        Find what a move touched, as of ``MoveResult``.
+
+        :param before: true ``Pose`` of each object before it, by name.
+        """
+        after, touched = self._simulated.poses, dict[str, float]()
+        for name, pose in before.items():
+            if tape is None or name == self._simulated.pushed:
+                continue
+            standing = StandingObject(self._room.scenarios[name].true_object, pose)
+            gap = least_gap(tape, scenario.true_object, scenario.robot.radius, standing)
+            moved = distance(pose, after[name])
+            if moved > 0.0:
+                touched[name] = -moved
+            elif gap < TOUCH_GAP:
+                touched[name] = gap
+        return touched
 
     def result(self, failures: dict[str, Report[ObjectFailure]]) -> TidyResult:
         """

@@ -18,8 +18,9 @@ from push_ros.node_settings import Frames, SimOptions
 from push_ros.object_catalogue import ObjectCatalogue
 from push_ros.parameters import DYNAMIC, Section
 from push_ros.topics import SIM
+from push_sim_node.bumped_object import PlacedObject
 from push_sim_node.plant import Plant
-from push_sim_node.room_simulation import PlacedObject, RoomSimulation
+from push_sim_node.room_simulation import RoomSimulation
 from push_sim_node.ros.lockstep import MeasurementExchange
 from push_sim_node.ros.outputs import PublishedMeasurement, SimOutputs
 from push_sim_node.ros.pacing import Pacer, SpeedMeter, StampLag

@@ -7,7 +7,9 @@ import numpy as np
 from push_model.geometry import distance, Pose
 from push_model.parameters import RoundRobot
 from push_model.signals import Odometry, Twist
-from push_sim_node.room_simulation import PlacedObject, RoomSimulation
+from push_planner.rearrangement.footprints import object_gap
+from push_sim_node.bumped_object import PlacedObject
+from push_sim_node.room_simulation import outline_walls, RoomSimulation
 from push_sim_node.sensors import SensorSettings
 from push_sim_node.simulation import Simulation
 import pytest
@@ -62,13 +64,23 @@ def test_odometry_goes_on_as_another_object_is_pushed() -> None:
     assert distance(after[-1].pose, turned.robot_pose) > 1e-3
 
 
-def test_a_pushed_object_stops_at_one_that_stands() -> None:
-    """Which stays where it is."""
-    other = Pose(1.2, 0.02, 0.0)
-    several = room({'box': OBJECTS['box'], 'crate': PlacedObject(box(), other)})
+def test_what_a_pushed_object_bumps_into_gives_way() -> None:
+    """It is pushed ahead, and touches all the time; what nothing touches stays."""
+    several = room({'box': OBJECTS['box'], 'crate': PlacedObject(box(), Pose(1.2, 0.02, 0.0)),
+                    'bin': OBJECTS['bin']})
+    drive(several.simulation, 2.0)
+    assert several.poses['crate'] == Pose(1.2, 0.02, 0.0)
     drive(several.simulation, 4.0)
-    assert several.poses['crate'] == other
-    assert 0.79 < several.poses['box'].x < 0.801
+    pushed, crate = several.poses['box'], several.poses['crate']
+    assert crate.x > 1.4 and several.poses['bin'] == pytest.approx(OBJECTS['bin'].pose)
+    assert object_gap(box(), crate, box(), pushed) == pytest.approx(0.0, abs=2e-3)
+
+
+def test_what_the_robot_bumps_into_gives_way_while_another_is_pushed() -> None:
+    """It ends where the robot's front is."""
+    several = room()
+    drive(several.simulation, 2.0)
+    assert several.poses['box'].x == pytest.approx(several.robot_pose.x + 0.37, abs=1e-3)
 
 
 def test_an_object_that_is_pushed_stays_so_until_the_robot_leaves_it() -> None:
@@ -94,7 +106,7 @@ def test_all_objects_are_measured() -> None:
 @pytest.mark.parametrize('item', OBJECTS.values())
 def test_walls_are_on_the_outline(item: PlacedObject) -> None:
     """They close a ring whose points are at the distance of the outline."""
-    walls = item.walls
+    walls = outline_walls(item)
     assert all((wall.end_x, wall.end_y) == pytest.approx((following.start_x, following.start_y))
                for wall, following in zip(walls, walls[1:] + walls[:1]))
     radius = item.obj.radius or 0.2 * math.sqrt(2.0)

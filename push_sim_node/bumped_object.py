@@ -1,0 +1,135 @@
+"""
+Objects that stand and are bumped: they give way to what moves into them.
+
+They slide on the floor as slowly as they are pushed, so that force and motion lie on a limit
+surface, here an ellipsoid. Their contact is without friction and resists nothing.
+"""
+
+import functools
+import math
+from typing import NamedTuple
+
+from push_model.contact import contact_point, find_contact
+from push_model.friction import ellipsoid_c_squared, friction_center
+from push_model.geometry import Pose
+from push_model.parameters import PushedObject
+
+
+# Overlap that is none, rounding [m]; and corners that push an object in one step, chosen: two of a
+# face, twice.
+TOUCHING, MAX_CORNERS = 1e-6, 4
+
+
+class PlacedObject(NamedTuple):
+    """
+    An object and where it is.
+
+    :param obj: the true ``PushedObject``.
+    :param pose: its ``Pose`` in the world.
+    """
+
+    obj: PushedObject
+    pose: Pose
+
+
+class PlacedDisc(NamedTuple):
+    """
+    A disc and where it is, such as the robot.
+
+    :param x: of its middle in the world [m].
+    :param y: of its middle in the world [m].
+    :param radius: [m].
+    """
+
+    x: float
+    y: float
+    radius: float
+
+
+class _Overlap(NamedTuple):
+    """
+    Overlap of a body with an object.
+
+    :param depth: [m], negative where they are apart.
+    :param point: of the object in the world [m].
+    :param direction: in which the object gets out of it [rad].
+    """
+
+    depth: float
+    point: tuple[float, float]
+    direction: float
+
+
+def displaced_pose(item: PlacedObject, body: PlacedObject | PlacedDisc) -> Pose:
+    """
+    Find where an object is once it has given way to a body that overlaps it a little.
+
+    A contact force along the normal n at p moves it by the twist s (n, (p x n) / c^2) about its
+    centre of friction, with the c^2 of the ellipsoid (Howe and Cutkosky 1996), until they touch
+    there; then the next corner counts.
+
+    :param item: the ``PlacedObject``.
+    :param body: what has moved into it.
+    :return: its ``Pose``; the same where they do not overlap.
+    """
+    for _ in range(MAX_CORNERS):
+        if _is_far(item, body):
+            break
+        overlap = _deepest(item, body)
+        if overlap.depth <= TOUCHING:
+            break
+        item = item._replace(pose=_moved_out(item, overlap))
+    return item.pose
+
+
+def _moved_out(item: PlacedObject, overlap: _Overlap) -> Pose:
+    """Move an object out of an overlap at one point."""
+    n_x, n_y = math.cos(overlap.direction), math.sin(overlap.direction)
+    x, y = item.pose.transform(friction_center(item.obj))
+    lever = (overlap.point[0] - x) * n_y - (overlap.point[1] - y) * n_x
+    c_squared = ellipsoid_c_squared(item.obj)
+    scale = overlap.depth / (c_squared + lever * lever)
+    moved = Pose(x + scale * c_squared * n_x, y + scale * c_squared * n_y, scale * lever)
+    return moved @ Pose(-x, -y, 0.0) @ item.pose
+
+
+def _is_far(item: PlacedObject, body: PlacedObject | PlacedDisc) -> bool:
+    """Tell whether the discs about both do not meet."""
+    if isinstance(body, PlacedDisc):
+        middle, radius = (body.x, body.y), body.radius
+    else:
+        middle, radius = body.pose[:2], _outer_radius(body.obj)
+    return math.dist(item.pose[:2], middle) > _outer_radius(item.obj) + radius
+
+
+@functools.lru_cache(maxsize=64)
+def _outer_radius(obj: PushedObject) -> float:
+    """Return the radius of the least disc about the frame of an object that contains it [m]."""
+    return max((math.hypot(*corner) for corner in obj.outline), default=obj.radius)
+
+
+def _deepest(item: PlacedObject, body: PlacedObject | PlacedDisc) -> _Overlap:
+    """Find the deepest overlap: of two convex outlines it is at a corner, or at a disc."""
+    if isinstance(body, PlacedDisc):
+        return _into(item, body)
+    overlaps = [_into(item, disc) for disc in _tips(body)]
+    for disc in _tips(item):
+        contact = find_contact(body.obj, body.pose, (disc.x, disc.y), disc.radius)
+        point = (disc.x + disc.radius * math.cos(contact.gamma),
+                 disc.y + disc.radius * math.sin(contact.gamma))
+        overlaps.append(_Overlap(-contact.gap, point, contact.gamma + math.pi))
+    return max(overlaps, key=lambda overlap: overlap.depth)
+
+
+def _tips(body: PlacedObject) -> list[PlacedDisc]:
+    """List the corners of a body, or the disc that it is."""
+    if not body.obj.outline:
+        return [PlacedDisc(body.pose.x, body.pose.y, body.obj.radius)]
+    return [PlacedDisc(*body.pose.transform(corner), 0.0) for corner in body.obj.outline]
+
+
+def _into(item: PlacedObject, disc: PlacedDisc) -> _Overlap:
+    """Find how deep a disc is in an object."""
+    contact = find_contact(item.obj, item.pose, (disc.x, disc.y), disc.radius)
+    point = item.pose.transform(contact_point(item.obj, contact.contact))
+    return _Overlap(-contact.gap, (float(point[0]), float(point[1])), contact.gamma)
