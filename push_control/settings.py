@@ -136,6 +136,8 @@ class ControlSettings:
                                 0.0, 0.5, is_dynamic=False, default=0.0)
     heading_bias: float = quantity('std of the heading error that averaging keeps', 'rad', 0.0,
                                    0.5, is_dynamic=False, default=0.0)
+    wall_error: float = quantity('std of walls about their cells in the map', 'm', 0.0, 0.5,
+                                 default=0.01)
     heading_count: int = quantity('headings that look alike to the tracker; 0: as of the '
                                   'outline; 1: none', '', 0, 360, is_dynamic=False, default=0)
     pose_gate: float = quantity('squared Mahalanobis distance that rejects a pose', '', 1.0,

@@ -145,7 +145,8 @@ class StraightPush(Behavior[TaskPerception]):
                              self._line.length + WALL_RANGE)
         # Of relative poses the place in the map is that of odometry, which drifts.
         ensemble.set_walls(() if ensemble.is_relative else walls, wall_errors(
-            self._map, self._obj, ensemble.object_pose, ensemble.members.count))
+            self._map, self._obj, ensemble.object_pose, context.control.wall_error,
+            ensemble.members.count))
         self._law = RolloutLaw(ensemble.members, primitives.cost_to_go, self._line.face, goal,
                                max(self._speed, 0.05), walls)
         self._control = context.control

@@ -17,9 +17,13 @@ MAX_OVERLAP = 0.05
 # chosen: two walls of a corner take two, and less than the error of a map.
 STEPS = 4
 DIFFERENCE = 0.002
-# Standard deviation of walls about where the map has them, in cells; derived: they are anywhere
-# within theirs.
-WALL_STD = math.sqrt(1.0 / 12.0)
+# Standard deviation of walls in cells; derived: they are anywhere within theirs.
+CELL_STD = math.sqrt(1.0 / 12.0)
+# Clearance of an object up to which it may as well touch the wall, in standard deviations of the
+# wall, and the overlap that still is a touch [m]; chosen: furniture stands against walls, and
+# the clearance is differentiated over as much.
+TOUCH_SIGMAS = 2.5
+TOUCH_OVERLAP = 0.002
 
 
 def walls_beside(occupancy_map: OccupancyMap | None, obj: PushedObject, object_pose: Pose,
@@ -46,29 +50,35 @@ def walls_beside(occupancy_map: OccupancyMap | None, obj: PushedObject, object_p
 
 
 def wall_errors(occupancy_map: OccupancyMap | None, obj: PushedObject, object_pose: Pose,
-                count: int) -> FloatArray:
+                map_error: float, count: int) -> FloatArray:
     """
     Draw by how much the walls beside a push may be elsewhere.
 
-    No sample has the object in a wall; it has that wall to the other side instead. Samples are the
-    same for every push, as the map is.
+    No sample has the object in a wall; it has that wall to the other side instead. Every other one
+    has a wall that is near touch the object: of a wall that no sample has there, a touch tells
+    nothing. Samples are the same for every push, as the map is.
 
     :param occupancy_map: the ``OccupancyMap``, or None for open floor.
     :param object_pose: ``Pose`` of the object before the push.
+    :param map_error: standard deviation of walls about their cells [m].
     :param count: of the samples.
     :return: errors (x, y), shape (count, 2) [m].
     """
     errors = np.zeros((count, 2))
     if occupancy_map is None:
         return errors
-    std = WALL_STD * occupancy_map.resolution
+    std = math.hypot(CELL_STD * occupancy_map.resolution, map_error)
     samples = np.random.default_rng(0).normal(0.0, std, (count, 2))
     beside = np.array(object_pose[:2]) - _shift(occupancy_map, obj, object_pose)
+    clearance, away = _clearance(
+        occupancy_map, obj, Pose(float(beside[0]), float(beside[1]), object_pose.theta))
+    if clearance < TOUCH_SIGMAS * std:
+        samples[::2] += np.outer(clearance - samples[::2] @ away, away)
     is_open = np.ones(count, dtype=bool)
     for signs in ((1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)):
         tried = samples * signs
         poses = np.column_stack((beside - tried, np.full(count, object_pose.theta)))
-        is_free = is_open & (occupancy_map.object_clearances(obj, poses) >= 0.0)
+        is_free = is_open & (occupancy_map.object_clearances(obj, poses) >= -TOUCH_OVERLAP)
         errors[is_free] = tried[is_free]
         is_open &= ~is_free
     return errors
@@ -79,13 +89,20 @@ def _shift(occupancy_map: OccupancyMap, obj: PushedObject,
     """Find the least shift (x, y) of the map that has the object touch its walls [m]."""
     x, y, theta = object_pose
     for _ in range(STEPS):
-        clearance, along_x, along_y = occupancy_map.object_clearances(obj, [
-            (x, y, theta), (x + DIFFERENCE, y, theta), (x, y + DIFFERENCE, theta)]).tolist()
-        slope_x, slope_y = along_x - clearance, along_y - clearance
-        slope = math.hypot(slope_x, slope_y)
-        if clearance >= 0.0 or slope == 0.0:
+        clearance, away = _clearance(occupancy_map, obj, Pose(x, y, theta))
+        if clearance >= 0.0:
             break
-        x -= clearance * slope_x / slope
-        y -= clearance * slope_y / slope
+        x, y = (np.array((x, y)) - clearance * away).tolist()
     shift = object_pose.x - x, object_pose.y - y
     return shift if math.hypot(*shift) <= MAX_OVERLAP else (0.0, 0.0)
+
+
+def _clearance(occupancy_map: OccupancyMap, obj: PushedObject,
+               pose: Pose) -> tuple[float, FloatArray]:
+    """Compute the clearance of an object [m], and the direction in which it grows, shape (2,)."""
+    x, y, theta = pose
+    clearance, along_x, along_y = occupancy_map.object_clearances(obj, [
+        pose, (x + DIFFERENCE, y, theta), (x, y + DIFFERENCE, theta)]).tolist()
+    slope = np.array((along_x - clearance, along_y - clearance))
+    length = math.hypot(*slope.tolist())
+    return clearance, slope / length if length > 0.0 else slope

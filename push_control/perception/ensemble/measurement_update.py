@@ -24,6 +24,9 @@ friction alone: what is pushed comes along with the robot, wherever both have go
 it has turned is far from linear in the errors of odometry. The relations are then drawn anew, as
 the pose leaves them, so that what remains of that push is not taken for drift later. For the same
 reason it tells nothing of wheels that creep.
+
+What tells of the robot tells of walls, too: a wall that is not where the map has it stops or turns
+the object elsewhere, and would be taken for an error of the robot.
 """
 
 import math
@@ -239,6 +242,9 @@ class MeasurementUpdate:
         members.set_poses(poses, first)
         if not is_coupled:
             return
+        if members.wall_errors is not None:
+            update.apply(members.wall_errors)
+            members.forget_wall_distances()
         if tells_of_friction:
             update.apply(members.parameters)
             if not state.is_relative:

@@ -74,7 +74,9 @@ class Members:
 
     ``states``: shape (n, 34), rows in the order of ``push_dynamics.layout``. ``parameters``: shape
     (n, 3 + supports + 1): odometry errors, logarithms of the friction factors of the supports,
-    contact friction. ``wheel_creep``: as of ``wheel_creep``, shape (n, 1) [1/N].
+    contact friction. ``wheel_creep``: as of ``wheel_creep``, shape (n, 1) [1/N]. ``wall_errors``:
+    by how much the walls of each member are elsewhere (x, y), shape (n, 2) [m]; None where they
+    are known, and on open floor.
     """
 
     def __init__(self, obj: PushedObject, robot: RoundRobot, count: int) -> None:
@@ -105,8 +107,7 @@ class Members:
             command=np.zeros(3),
             walls=NO_WALLS,
             touches=np.zeros((0, layout.TOUCH_SIZE)))
-        # By how much the walls of each member are elsewhere (x, y, x, y) [m]; None for not at all.
-        self._wall_errors: FloatArray | None = None
+        self.wall_errors: FloatArray | None = None
         # Memory of the rollouts.
         self.rollout_states: FloatArray = np.zeros((2, layout.STATE_SIZE))
         # Many ask for the poses between two changes of them.
@@ -214,6 +215,8 @@ class Members:
         self.states[:] = other.states
         self.parameters[:] = other.parameters
         self.wheel_creep[:] = other.wheel_creep
+        self.wall_errors = None if other.wall_errors is None else other.wall_errors.copy()
+        self.forget_wall_distances()
         self.apply_parameters()
         self._forget_poses()
 
@@ -222,14 +225,16 @@ class Members:
         Let walls stop objects and robots from now on.
 
         :param walls: none for open floor.
-        :param errors: by how much they are elsewhere in each member (x, y), shape (n, 2) [m]; None
-            where they are known.
+        :param errors: the ``wall_errors`` to start from; None where walls are known.
         """
-        self._wall_errors = None if errors is None or not walls else np.tile(errors, 2)
+        self.wall_errors = None if errors is None or not walls else errors.copy()
         self.worlds = self.worlds._replace(
             walls=wall_grid(wall_rows(walls), touch_reach(self.obj, self.robot_radius)),
             touches=np.zeros((MAX_TOUCHES, layout.TOUCH_SIZE)))
-        # Distances to them are measured anew.
+        self.forget_wall_distances()
+
+    def forget_wall_distances(self) -> None:
+        """Measure the distances to walls anew, as ``wall_errors`` have changed."""
         self.states[:, layout.WALL_SLACK] = 0.0
 
     def apply_parameters(self) -> None:
@@ -251,10 +256,10 @@ class Members:
         :return: number of members in contact.
         """
         self._forget_poses()
-        errors = self._wall_errors
-        if errors is None:
+        if self.wall_errors is None:
             return move_members(self.worlds, increments, duration, MAX_STEP)
-        # Seen from its walls, a member is elsewhere.
+        # Seen from its walls, a member is elsewhere: robot and object.
+        errors = np.tile(self.wall_errors, 2)
         self.states[:, POSITIONS] -= errors
         contacts = move_members(self.worlds, increments, duration, MAX_STEP)
         self.states[:, POSITIONS] += errors

@@ -15,6 +15,9 @@ import pytest
 ROOM = OccupancyMap(0.05, Pose(-0.05, -0.05, 0.0),
                     np.pad(np.zeros((40, 40), dtype=bool), 1, constant_values=True))
 HALF = 0.2
+# Standard deviation of walls about their cells, and that of both [m].
+MAP_ERROR = 0.01
+WALL_STD = math.hypot(ROOM.resolution / math.sqrt(12.0), MAP_ERROR)
 
 
 def inner(walls: tuple[Wall, ...]) -> tuple[float, float]:
@@ -56,13 +59,24 @@ def test_an_object_far_inside_what_is_occupied_moves_no_wall() -> None:
     Pose(1.0, 1.0, 0.3), Pose(HALF, 1.0, 0.0), Pose(HALF - 0.02, HALF - 0.01, 0.0)], ids=str)
 def test_walls_may_be_elsewhere_where_the_object_is_not_in_them(pose: Pose) -> None:
     """By what cells leave open; beside an object that touches them, away from it alone."""
-    errors = wall_errors(ROOM, box(), pose, 200)
+    errors = wall_errors(ROOM, box(), pose, MAP_ERROR, 200)
     wall_x, wall_y = inner(walls_beside(ROOM, box(), pose, 5.0))
     for error, wall, at in zip(errors.T, (wall_x, wall_y), pose[:2]):
-        assert error.max() < at - HALF - wall + 0.004 or at == 1.0
-        std = math.sqrt(float((error ** 2).mean()))
-        assert std == pytest.approx(ROOM.resolution / math.sqrt(12.0), rel=0.15)
-    assert np.array_equal(errors, wall_errors(ROOM, box(), pose, 200))
+        assert error.max() < at - HALF - wall + 0.006 or at == 1.0
+        std = math.sqrt(float((error[1::2] ** 2).mean()))
+        assert std == pytest.approx(WALL_STD, rel=0.15)
+    assert np.array_equal(errors, wall_errors(ROOM, box(), pose, MAP_ERROR, 200))
+
+
+@pytest.mark.parametrize('gap', [-0.01, 0.0, 0.02, 0.04, 0.06])
+def test_every_other_wall_that_is_near_touches_the_object(gap: float) -> None:
+    """It may as well stand against it, up to some standard deviations of the wall."""
+    pose = Pose(HALF + gap, 1.0, 0.0)
+    wall_x, _ = inner(walls_beside(ROOM, box(), pose, 5.0))
+    gaps = pose.x - HALF - wall_x - wall_errors(ROOM, box(), pose, MAP_ERROR, 200)[:, 0]
+    touching = np.abs(gaps) < 0.003
+    assert touching[::2].all() == (gap < 0.05)
+    assert touching[1::2].mean() < 0.25
 
 
 def test_there_are_none_on_open_floor() -> None:
