@@ -9,6 +9,7 @@ from typing import NamedTuple, Sequence
 
 import numpy as np
 from push_control.perception.ensemble.ensemble_update import center
+from push_control.perception.ensemble.independent_samples import independent_samples
 from push_control.perception.ensemble.members import (
     CONTACT_FRICTION_STD, DRIFT, Members, ODOMETRY_ERRORS, SCALE, SUPPORT_LOG_STD, YAW_SCALE)
 from push_control.perception.ensemble.pose_bias import PoseBias
@@ -140,9 +141,16 @@ class EnsembleState:
         """
         Draw standard normal numbers whose mean over the members is 0.
 
+        Where poses are relative to the robot, they have no correlation with poses and errors of
+        odometry either, see ``independent_samples``.
+
         :param shape: number of members and of columns.
         """
         samples = self.rng.standard_normal(shape)
+        if self.is_relative:
+            members = self.members
+            errors = members.parameters[:, :ODOMETRY_ERRORS]
+            return independent_samples(samples, np.hstack((members.poses, errors)))
         center(samples, np.empty(shape[1]))
         return samples
 

@@ -52,19 +52,17 @@ def center(samples: Any, means: Any) -> None:
 
 
 @compiled
-def add_odometry(increments: Any, means: Any, parameters: Any, walks: Any, step: Any) -> None:
+def add_odometry(increments: Any, parameters: Any, walks: Any, step: Any) -> None:
     """
     Turn random numbers into the motion of each robot, by odometry and its errors.
 
-    :param increments: standard normal numbers, shape (n, 3), whose mean over the members is taken
-        off; motion (x, y, theta) of each robot in its own axes is written.
-    :param means: scratch, 3 numbers.
+    :param increments: standard normal numbers, shape (n, 3); motion (x, y, theta) of each robot in
+        its own axes is written.
     :param parameters: of all members; first the relative errors of distances and of rotations, and
         the heading error per distance.
     :param walks: random walks per root of the distance, (x, y, theta).
     :param step: motion by odometry (x, y, theta) [m, m, rad].
     """
-    center(increments, means)
     x, y, rotation = step
     length = math.sqrt(x * x + y * y)
     root = math.sqrt(length)
@@ -133,17 +131,15 @@ def write_poses(states: Any, bodies: Any, poses: Any, first: int) -> None:
 
 
 @compiled
-def disturb_objects(poses: Any, before: Any, samples: Any, means: Any, walks: Any) -> None:
+def disturb_objects(poses: Any, before: Any, samples: Any, walks: Any) -> None:
     """
     Add a random walk to what each object has moved.
 
     :param poses: of robots and objects, shape (n, 6), is written.
     :param before: the same before they moved.
-    :param samples: standard normal, shape (n, 3), whose mean over the members is taken off.
-    :param means: scratch, 3 numbers.
+    :param samples: standard normal, shape (n, 3).
     :param walks: per root of the distance (x, y, theta).
     """
-    center(samples, means)
     for i in range(len(poses)):
         d_x, d_y = poses[i, 3] - before[i, 3], poses[i, 4] - before[i, 4]
         root = math.sqrt(math.sqrt(d_x * d_x + d_y * d_y))

@@ -17,13 +17,14 @@ after a contact which nobody has seen, one that the robot has pushed otherwise t
 expects. Then the members differ too little, and are spread until they explain it.
 
 A pose z that is relative to the robot is compared with each member's own relation of robot r and
-object o, r^-1 o. It tells of the robot and of odometry always, so that an object at rest is a
-landmark; but of friction only after a contact, as chance correlations of the members would say
-more of it than there is to know. After a contact that nobody has seen it tells of object and
-friction alone: what is pushed comes along with the robot, wherever both have gone, and by how much
-it has turned is far from linear in the errors of odometry. The relations are then drawn anew, as
-the pose leaves them, so that what remains of that push is not taken for drift later. For the same
-reason it tells nothing of wheels that creep.
+object o, r^-1 o, and corrects relations and robots in their own axes (``correct_related``). It
+tells of the robot and of odometry always, so that an object at rest is a landmark; but of friction
+only after a contact, as chance correlations of the members would say more of it than there is to
+know. After a contact that nobody has seen it tells of object and friction alone: what is pushed
+comes along with the robot, wherever both have gone, and by how much it has turned is far from
+linear in the errors of odometry. The relations are then drawn anew, as the pose leaves them, so
+that what remains of that push is not taken for drift later. For the same reason it tells nothing
+of wheels that creep.
 
 What tells of the robot tells of walls, too: a wall that is not where the map has it stops or turns
 the object elsewhere, and would be taken for an error of the robot.
@@ -35,7 +36,8 @@ import numpy as np
 from push_control.perception.ensemble.ensemble_state import EnsembleState, POSE
 from push_control.perception.ensemble.ensemble_update import EnsembleUpdate
 from push_control.perception.ensemble.members import OBJECT_COLUMNS, ODOMETRY_ERRORS
-from push_control.perception.ensemble.relation import composed_poses, relative_poses
+from push_control.perception.ensemble.relation import (
+    composed_poses, correct_related, relative_poses)
 from push_control.settings import ControlSettings
 from push_model.geometry import FloatArray, wrap_angle
 from push_model.signals import ObjectPose
@@ -173,7 +175,8 @@ class MeasurementUpdate:
         is_coupled = (state.time_since_contact(measured.time) < COUPLING_TIME
                       or measured.time < state.coupled_until)
         self._correct(update, is_coupled or state.is_relative,
-                      tells_of_friction=is_coupled and state.knows_contact)
+                      tells_of_friction=is_coupled and state.knows_contact,
+                      is_relation=state.is_relative)
         self._keep_object_stds()
 
     def update_robot(self, update: EnsembleUpdate, innovation: FloatArray,
@@ -224,19 +227,25 @@ class MeasurementUpdate:
         return covariance + bias.roughness if bias.exists else covariance
 
     def _correct(self, update: EnsembleUpdate, is_coupled: bool, *,
-                 tells_of_friction: bool = True) -> None:
+                 tells_of_friction: bool = True, is_relation: bool = False) -> None:
         """
         Update all members by a measurement.
 
         :param update: ``EnsembleUpdate``, its innovation tested.
         :param is_coupled: whether it tells of the robot and of odometry too.
         :param tells_of_friction: whether it then tells of friction as well.
+        :param is_relation: whether it is of the object relative to the robot.
         """
         state, members = self._state, self._state.members
         first = 0 if is_coupled else OBJECT_COLUMNS
         poses = members.poses.copy()
-        update.apply(poses, first)
-        update.apply_to_all(state.history.poses, first)
+        if is_relation:
+            poses = correct_related(update, poses)
+            state.history.poses[:] = [correct_related(update, earlier)
+                                      for earlier in state.history.poses]
+        else:
+            update.apply(poses, first)
+            update.apply_to_all(state.history.poses, first)
         if state.bias.exists:
             update.apply(state.bias.coefficients)
         members.set_poses(poses, first)

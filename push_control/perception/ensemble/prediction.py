@@ -48,8 +48,6 @@ class Prediction:
         self._odometry_walks: FloatArray = np.array((noise.walk, noise.walk, noise.heading_walk),
                                                     dtype=float)
         self._object_walks: FloatArray = np.array((POSITION_WALK, POSITION_WALK, HEADING_WALK))
-        # Scratch: means of random numbers.
-        self._means: FloatArray = np.empty(POSE)
 
     def predict(self, odometry: Odometry, step: Pose | None) -> bool:
         """
@@ -80,8 +78,8 @@ class Prediction:
         is_at_rest = math.hypot(step.x, step.y) < NO_MOTION and abs(rotation) < NO_MOTION
         if is_at_rest and not members.in_contact.any():
             return
-        increments = state.rng.standard_normal((members.count, POSE))
-        add_odometry(increments, self._means, members.parameters, self._odometry_walks,
+        increments = state.normal((members.count, POSE))
+        add_odometry(increments, members.parameters, self._odometry_walks,
                      (step.x, step.y, rotation))
         reduce_by_creep(increments, members)
         before = None if state.pose_time is None else members.poses
@@ -94,8 +92,8 @@ class Prediction:
         """Add what the dynamics do not know to the motion of the objects."""
         state = self._state
         poses = state.members.poses.copy()
-        samples = state.rng.standard_normal((len(poses), POSE))
-        disturb_objects(poses, before.copy(), samples, self._means, self._object_walks)
+        samples = state.normal((len(poses), POSE))
+        disturb_objects(poses, before.copy(), samples, self._object_walks)
         state.members.set_poses(poses, OBJECT_COLUMNS)
 
     def _warm_up(self) -> None:
@@ -108,6 +106,6 @@ class Prediction:
         update.apply_to_all(poses[None])
         members.move(zeros, MAX_STEP)
         members.close_gaps()
-        disturb_objects(poses, poses.copy(), zeros, self._means, self._object_walks)
+        disturb_objects(poses, poses.copy(), zeros, self._object_walks)
         members.set_poses(poses)
-        add_odometry(zeros, self._means, members.parameters, self._odometry_walks, (0.0, 0.0, 0.0))
+        add_odometry(zeros, members.parameters, self._odometry_walks, (0.0, 0.0, 0.0))
