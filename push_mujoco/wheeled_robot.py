@@ -28,6 +28,9 @@ _mujoco: Any = mujoco
 # come to rest at a wall with little creep.
 ENGINE = dataclasses.replace(TUNED, step=1e-3, margin=0.0)
 CONTACT = Contact(solref=(0.02, 1.0), friction_solref=(0.0, 0.0), impedance=(0.95, 0.95))
+# The bumper on the object; chosen: on its springs it gives way by a millimetre at 10 N. Were it
+# stiff, each touch would be an impact, and the wheels would slip at each.
+BUMPER_CONTACT = Contact(solref=(0.05, 1.0), friction_solref=(0.0, 0.0), impedance=(0.9, 0.9))
 # Damping by which a motor holds its speed [N m s], and inertia of its rotor behind the gears
 # [kg m^2]; chosen: it lags by some 10 ms, and explicit steps are stable.
 MOTOR_GAIN, ROTOR_INERTIA = 0.5, 2e-3
@@ -140,8 +143,7 @@ def wheeled_scene(robot: SimulatedRobot, room: Room, obj: PushedObject | None,
     walls = walls_part(room, ENGINE, None)
     if obj is None:
         return scene_xml(ENGINE, *parts, Part(walls.bodies), floor=looks.floor)
-    touch = Part('', pair('skirt', 'outline', obj.contact_friction_coefficient,
-                          ENGINE.outline_contact))
+    touch = Part('', pair('skirt', 'outline', obj.contact_friction_coefficient, BUMPER_CONTACT))
     body = prism(obj, 'body', 0.0, looks.height)
     shapes = (f'<geom name="body" {body.geom} group="{BODY_GROUP}" rgba="{OBJECT_COLOR}"/>'
               + looks.object.bodies)
