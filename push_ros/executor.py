@@ -31,12 +31,14 @@ from typing import Any, Callable, Sequence
 
 import rclpy
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
+from rclpy.client import Client
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from rclpy.subscription import Subscription
+from rclpy.task import Future
 from rclpy.utilities import remove_ros_args, timeout_sec_to_nsec, try_shutdown
 
 # Longest wait of background callbacks [s]; chosen: nobody notices it in a service or a plan.
@@ -194,6 +196,28 @@ class MessageWaiter:
         for subscription in subscriptions:
             self._wait_set.add_subscription(subscription.handle)
         self._wait_set.wait(timeout_sec_to_nsec(max(0.0, timeout)))
+
+
+def await_answer(client: Client, request: Future, timeout: float) -> None:
+    """
+    Wait until a service has answered, where no executor runs any more, or may not run now.
+
+    :param client: rclpy ``Client``.
+    :param request: what its ``call_async`` has returned; it is done as soon as the answer is here.
+    :param timeout: longest wait [s].
+    """
+    end = time.monotonic() + timeout
+    wait_set = rclpy_implementation.WaitSet(0, 0, 0, 1, 0, 0, client.context.handle)
+    service: Any = client.srv_type
+    while not request.done() and (remaining := end - time.monotonic()) > 0.0:
+        wait_set.clear_entities()
+        wait_set.add_client(client.handle)
+        wait_set.wait(timeout_sec_to_nsec(remaining))
+        with client.handle:
+            header, answer = client.handle.take_response(service.Response)
+        if header is not None:
+            number = header.request_id.sequence_number
+            client.get_pending_request(number).set_result(answer)
 
 
 def run(make_node: Callable[[], PolledNode], arguments: Sequence[str] | None = None) -> int:

@@ -17,6 +17,7 @@ from geometry_msgs.msg import Point32
 from push_model.parameters import PushedObject
 from push_ros.conversions.footprint import grown_outline
 from push_ros.diagnostics import OK, WARN
+from push_ros.executor import await_answer
 from push_ros.node import PushNode
 from push_ros.node_settings import CollisionMonitorSettings
 from rclpy.clock import Clock
@@ -32,6 +33,8 @@ PERIOD = 0.1
 # Time after which an answer is lost, and after which a refused call is repeated [s]; chosen: a
 # hundred times the usual one.
 ANSWER_TIME = 2.0
+# Longest wait for answers at the end [s]; chosen: twenty times the usual one, on a busy machine.
+LAST_ANSWER_TIME = 0.5
 
 Outline = tuple[tuple[float, float], ...]
 
@@ -168,11 +171,15 @@ class ExclusionZones:
             source.ask_for_removal()
 
     def destroy(self) -> None:
-        """Remove the zones, and ask no more."""
-        self.remove()
+        """Remove the zones, and ask no more: a request without an answer may be lost."""
         if self._sources:
             self._node.destroy_timer(self._timer)
+        end = time.monotonic() + LAST_ANSWER_TIME
         for source in self._sources:
+            source.await_addition(end)
+        self.remove()
+        for source in self._sources:
+            source.await_removal(end)
             source.destroy()
         self._sources = []
 
@@ -204,6 +211,8 @@ class _Source:
         self._add = node.create_client(types.add, f'{self._name}/add_exclusion_zone')
         self._remove = node.create_client(types.remove, f'{self._name}/remove_exclusion_zone')
         self._answer: Future | None = None
+        # The last request for a zone.
+        self._addition: Future | None = None
 
     @property
     def fault(self) -> str:
@@ -234,16 +243,29 @@ class _Source:
             self._zone.on_answer(now, success=answer.success, message=answer.message)
         call = self._zone.next_call(now)
         if call is Call.ADD:
-            self._answer = self._add.call_async(self._add_request(frame))
+            self._answer = self._addition = self._add.call_async(self._add_request(frame))
         elif call is Call.REMOVE:
-            self._answer = self._remove.call_async(self._types.remove.Request(zone_name=ZONE))
+            self._answer = self._request_removal()
 
     def ask_for_removal(self) -> None:
         """Call without a wait for the answer; what was asked before may still be on its way."""
         self._zone.forget()
         self._answer = None
         if self._remove.service_is_ready():
-            self._remove.call_async(self._types.remove.Request(zone_name=ZONE))
+            self._answer = self._request_removal()
+
+    def await_addition(self, end: float) -> None:
+        """Wait until a zone is there that was asked for, or a time of ``time.monotonic`` [s]."""
+        if self._addition is not None:
+            await_answer(self._add, self._addition, end - time.monotonic())
+
+    def await_removal(self, end: float) -> None:
+        """Likewise until it is gone."""
+        if self._answer is not None:
+            await_answer(self._remove, self._answer, end - time.monotonic())
+
+    def _request_removal(self) -> Future:
+        return self._remove.call_async(self._types.remove.Request(zone_name=ZONE))
 
     def destroy(self) -> None:
         """Ask no more."""
