@@ -26,8 +26,9 @@ from benchmarks.faults.process_rig import (
 from benchmarks.faults.random_faults import draw_case, run_many, run_random, summary
 from benchmarks.faults.report import Findings, stop_table, table, write_report
 from benchmarks.faults.row import append_row, Ending, read_rows, Row
-from benchmarks.faults.simulated import Record, Simulated, simulated_record
+from benchmarks.faults.simulated import map_of, Record, Simulated, simulated_record
 from benchmarks.faults.soak import read_tasks, run_soak, soak_table
+from benchmarks.faults.surroundings import read_surroundings, run_surroundings
 from benchmarks.faults.verdict import evaluate
 import numpy as np
 from push_scenario.definition.loader import load_scenario
@@ -36,10 +37,12 @@ from push_scenario.parallel import available_cores
 REPORT = Path(__file__).parents[2] / 'docs' / 'reports' / 'faults.md'
 FOLDER = Path('out') / 'faults'
 ROWS, PROCESS_ROWS, SOAK_TASKS = 'runs.jsonl', 'processes.jsonl', 'soak.jsonl'
-RANDOM_ROWS = 'random.jsonl'
+SURROUNDINGS, RANDOM_ROWS = 'surroundings.jsonl', 'random.jsonl'
 # Moments at which faults begin, at random between these [s]: in all states of a task or of a push.
 MOMENTS = {'task_tap': (0.2, 3.5), 'task_demo': (1.0, 21.0), 'task_map': (1.0, 36.0),
            'curved_push': (1.0, 14.0)}
+# Scenario of a robot with a lidar that is lifted, and when [s].
+LIDAR_SCENARIO, LIDAR_MOMENTS = 'task_lidar', (1.0, 40.0)
 # Faults of plans begin at first or second one [s].
 LATEST_PLAN = 1.5
 # Exit status of a program that Ctrl-C has ended, as shells have it.
@@ -66,6 +69,8 @@ def draw(scenarios: Sequence[str], seed: int, count: int) -> list[Case]:
     """
     Draw faults: ``count`` for every scenario, input, word and duration.
 
+    A robot that is lifted is elsewhere for good. One more has a lidar, which finds it.
+
     :param scenarios: names, of ``MOMENTS``.
     :param seed: of the moments.
     :param count: of moments.
@@ -75,9 +80,13 @@ def draw(scenarios: Sequence[str], seed: int, count: int) -> list[Case]:
               *((NODE_SCENARIO, kind) for kind in Input
                 if kind not in IN_PROCESS and NODE_SCENARIO in scenarios),
               *((scenario, Input.BASE) for scenario in scenarios)]
-    return [Case(scenario, Fault(kind, word, start, start + duration))
-            for scenario, kind in inputs for word in words_of(kind) for duration in DURATIONS
-            for start in _moments(scenario, kind, word, rng, count)]
+    cases = [Case(scenario, Fault(kind, word, start, start + duration))
+             for scenario, kind in inputs for word in words_of(kind) for duration in DURATIONS
+             for start in _moments(scenario, kind, word, rng, count)]
+    with_lidar = [Case(LIDAR_SCENARIO, Fault(Input.ODOMETRY, Word.LIFTED, start, math.inf))
+                  for start in rng.uniform(*LIDAR_MOMENTS, count).round(2).tolist()]
+    return [case for case in [*cases, *with_lidar] if not (
+        case.fault.is_temporary and case.fault.word is Word.LIFTED)]
 
 
 def _moments(scenario: str, kind: Input, word: Word, rng: np.random.Generator,
@@ -100,8 +109,9 @@ def run(case: Case, time_after: float = TIME_AFTER) -> Row:
         return _run_node(case, time_after)
     fault = case.fault
     until = fault.end if fault.is_temporary else fault.start
-    simulated = simulated_record(load_scenario(case.scenario), [Injection(fault)],
-                                 until + time_after)
+    scenario = load_scenario(case.scenario)
+    injection = Injection(fault, occupancy_map=map_of(scenario))
+    simulated = simulated_record(scenario, [injection], until + time_after)
     return _evaluate(case, simulated)
 
 
@@ -142,8 +152,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(options: argparse.Namespace) -> int:
     if options.run is not None or options.random:
         return _run_random(options)
+    if options.only_surroundings is not None:
+        path = options.folder / SURROUNDINGS
+        path.unlink(missing_ok=True)
+        run_surroundings(path, options.only_surroundings)
+        return int(any(not row.is_ok for row in read_surroundings(path)))
     if not options.resume:
-        for name in (SOAK_TASKS,) if options.only_soak else (ROWS, PROCESS_ROWS, SOAK_TASKS):
+        for name in (SOAK_TASKS,) if options.only_soak else (
+                ROWS, PROCESS_ROWS, SURROUNDINGS, SOAK_TASKS):
             (options.folder / name).unlink(missing_ok=True)
     scenarios = options.scenario or list(MOMENTS)
     if options.only:
@@ -157,6 +173,7 @@ def _run(options: argparse.Namespace) -> int:
         _run_cases(draw(scenarios, options.seed, options.count), options.folder / ROWS,
                    options.jobs)
         _run_process_faults(options.folder / PROCESS_ROWS)
+        run_surroundings(options.folder / SURROUNDINGS)
     run_soak(options.soak, options.folder / SOAK_TASKS, options.seed)
     soak = read_tasks(options.folder / SOAK_TASKS)
     if options.only_soak:
@@ -168,8 +185,9 @@ def _run(options: argparse.Namespace) -> int:
     rows = [row for row in read_rows(options.folder / ROWS)
             if Case(row.scenario, row.fault) in drawn]
     processes = read_process_rows(options.folder / PROCESS_ROWS)
-    write_report(options.report, Findings(rows, processes, soak), chosen)
-    return int(any(not row.is_ok for row in [*rows, *processes])
+    surroundings = read_surroundings(options.folder / SURROUNDINGS)
+    write_report(options.report, Findings(rows, processes, surroundings, soak), chosen)
+    return int(any(not row.is_ok for row in [*rows, *processes, *surroundings])
                or not all(task.is_done for task in soak))
 
 
@@ -185,6 +203,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument('--only', default='', metavar='FAULT',
                         help='faults that begin so, as "command" or "pose stuck": print what '
                         'they do, and write no report')
+    parser.add_argument('--only-surroundings', nargs='?', const='', metavar='CASE',
+                        help='files, clocks and strangers alone, or those that begin so')
     parser.add_argument('--random', type=int, default=0, metavar='COUNT',
                         help='runs with random faults in random scenarios, in place of the rest')
     parser.add_argument('--run', type=int, metavar='NUMBER',

@@ -111,7 +111,9 @@ ODOMETRY = {
         note='wheels that slip show in the next contact alone'),
     Word.LIFTED: Expectation(
         _named(ELSEWHERE, PushEvent.OBJECT_DOES_NOT_FOLLOW, NOT_FOLLOWING), must_stop=False,
-        note='wheels count nothing of it: contacts show it, with the object or with walls'),
+        deviation=0.25,
+        note='wheels count nothing of it: contacts show it, with the object or with walls; where '
+        'a lidar shows it, in `task_lidar`, pushes deviate by 0.23 m without a fault'),
     Word.RESTARTED: Expectation(
         _named(WRONG_ODOMETRY, TaskEvent.STARTED_OVER, ELSEWHERE), deviation=0.3,
         note='a robot that stood starts over from where odometry has it'),

@@ -12,9 +12,10 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
+from push_model.contact import find_contact
 from push_model.geometry import Pose, wrap_angle
 from push_model.signals import ObjectPose, Odometry, STOP, Twist
-from push_sim_node.plant import Plant
+from push_navigation.occupancy_map import OccupancyMap
 from push_sim_node.simulation import Measurement, Simulation
 
 
@@ -156,6 +157,9 @@ PERIOD, GAP = 1.0, 0.4
 SLIP_RATIO = 0.5
 # Where the robot is put down that somebody lifts: away from the object, and to the side.
 LIFT = Pose(0.5, 0.3, 1.0)
+# Other directions, if a wall or the object is there [rad], and what remains free around it [m].
+LIFT_TURNS = 0.0, 0.8, -0.8, 1.6, -1.6, 2.4, -2.4, 3.1
+LIFT_CLEARANCE = 0.05
 OUTLIER_RATIO, OUTLIER_DISTANCE = 0.1, 1.0
 MIN_AGE, MAX_AGE = 0.24, 0.26
 OTHER_OBJECT, OTHER_NOISE = Pose(0.6, 0.0, 0.3), 0.001
@@ -178,14 +182,17 @@ class Injection:
     ``sent``: each ``SentCommand``, before the fault is done to it.
     """
 
-    def __init__(self, fault: Fault, seed: int = 0) -> None:
+    def __init__(self, fault: Fault, seed: int = 0,
+                 occupancy_map: OccupancyMap | None = None) -> None:
         """
         Wait for the simulation.
 
         :param fault: the ``Fault``.
         :param seed: of the random numbers of garbage.
+        :param occupancy_map: where a robot that is lifted can be put down; None for anywhere.
         """
         self._fault = fault
+        self._map = occupancy_map
         self._rng = np.random.default_rng(seed)
         self.sent: list[SentCommand] = []
         self._last: Any = None
@@ -316,7 +323,7 @@ class Injection:
                     return self._after_slip(measured)
                 if (self._fault.word is Word.LIFTED and self._slipping is None
                         and isinstance(measured, Odometry)):
-                    return self._before_lift(measured, simulation.plant)
+                    return self._before_lift(measured, simulation)
                 spoilt = self._spoilt_measurement(measured, simulation.time)
                 if spoilt is not None:
                     return spoilt
@@ -381,16 +388,26 @@ class Injection:
         """Go on from where slipping wheels have led odometry."""
         return measured if self._slipping is None else self._slipped(measured, 1.0)
 
-    def _before_lift(self, measured: Odometry, plant: Plant) -> Odometry:
+    def _before_lift(self, measured: Odometry, simulation: Simulation) -> Odometry:
         """Put the robot down elsewhere after a measurement, at rest: its wheels do not turn."""
+        plant = simulation.plant
         before, obj = plant.robot_pose, plant.object_pose
         outward = math.atan2(before.y - obj.y, before.x - obj.x)
-        x, y = Pose(before.x, before.y, outward).transform(LIFT[:2])
-        after = Pose(x, y, before.theta + LIFT.theta)
+        places = [Pose(*Pose(before.x, before.y, outward + turn).transform(LIFT[:2]),
+                       before.theta + LIFT.theta) for turn in LIFT_TURNS]
+        after = next((place for place in places if self._is_free(place, simulation)), places[0])
         plant.stand_at(obj, after)
         moved = measured._replace(pose=measured.pose @ (before.inverse() @ after))
         self._slipping = moved, measured
         return measured
+
+    def _is_free(self, place: Pose, simulation: Simulation) -> bool:
+        """Tell whether a lifted robot can be put down somewhere."""
+        robot = simulation.robot
+        gap = find_contact(simulation.obj, simulation.plant.object_pose, place[:2],
+                           robot.radius).gap
+        return gap >= LIFT_CLEARANCE and (
+            self._map is None or self._map.robot_is_free(robot, [place], LIFT_CLEARANCE))
 
     def _slipped(self, measured: Odometry, ratio: float) -> Odometry:
         """Measure wheels that turn by a ratio more than the robot moves."""

@@ -55,6 +55,8 @@ WAITING_TIME = 24.0
 START_TIMEOUT, STATE_TIMEOUT = 180.0, 120.0
 # Speeds below which the robot stands [m/s], [rad/s]; chosen: above the noise of odometry.
 STANDING_SPEED, STANDING_YAW_RATE = 0.02, 0.1
+# States in which every measurement is answered by a command.
+MOVING = TaskState.APPROACH, TaskState.PUSH, TaskState.RETREAT
 
 
 class Strike(enum.Enum):
@@ -150,7 +152,7 @@ def process_violations(fault: ProcessFault, ending: Ending, codes: Sequence[str]
         (Violation.WRONG_REASON, ending is not Ending.DONE and not names_fault)) if is_so)
 
 
-class _Monitor:
+class TaskMonitor:
     """What the nodes have reported: state of the task, errors, and how the robot moves."""
 
     def __init__(self) -> None:
@@ -162,11 +164,18 @@ class _Monitor:
         self.stands = True
         # When it first stood since it was watched; nan before.
         self.stood_at = math.nan
+        # What the controller has reported since then, by code.
+        self.seen: set[str] = set()
+        # Longest time between two commands of one state in which the robot moves, since then [s].
+        self.command_gap = 0.0
+        self._commanded_at = math.nan
 
     def watch(self) -> None:
         """Note when the robot stands from now on, and what is reported."""
         self.stood_at, self.error = math.nan, ''
         self.changed_at = time.monotonic()
+        self.seen = set()
+        self.command_gap, self._commanded_at = 0.0, math.nan
 
     def on_message(self, topic: str, data: bytes) -> None:
         """Take in a message."""
@@ -177,19 +186,30 @@ class _Monitor:
                            and abs(twist.omega) < STANDING_YAW_RATE)
             if self.stands and math.isnan(self.stood_at):
                 self.stood_at = self.odometry_at
+        elif topic == 'cmd_vel':
+            self._on_command()
         elif topic == 'diagnostics':
             for status in deserialize_message(data, DiagnosticArray).status:
                 self.nodes.add(status.name)
                 if status.level == ERROR:
                     self.error = f'{status.name}: {status.message}'
                 values = status_values(status)
+                self.seen.update(values.get('codes', '').split(), notices(status.message))
                 if status.name == CONTROLLER and 'state' in values:
                     self._on_state(TaskState(values['state']), values['reason'])
                     self.codes = tuple(values.get('codes', '').split())
                 elif status.name == CONTROLLER:
                     self.reason, self.codes = status.message, notices(status.message)
 
+    def _on_command(self) -> None:
+        now = time.monotonic()
+        if self.state in MOVING and now > self._commanded_at:
+            self.command_gap = max(self.command_gap, now - self._commanded_at)
+        self._commanded_at = now
+
     def _on_state(self, state: TaskState, reason: str) -> None:
+        if state is not self.state:
+            self._commanded_at = math.nan
         if (state, reason) != (self.state, self.reason):
             self.state = state
             self.reason = reason
@@ -207,13 +227,14 @@ class ProcessRig:
         :param files: path of the parameters of each node.
         :param seed: of the goals.
         """
-        self._nodes = nodes
-        self._files = files
+        self.nodes = nodes
+        self.files = files
         self._rng = np.random.default_rng(seed)
-        self._monitor = _Monitor()
-        self._client = ReplayClient(nodes.domain, True, self._monitor.on_message, lambda: None)
+        self.monitor = TaskMonitor()
+        self._client = ReplayClient(nodes.domain, True, self.monitor.on_message, lambda: None,
+                                    topics=('odom', 'cmd_vel', 'diagnostics'))
         for name in files:
-            self._start(name)
+            self.start(name)
 
     def close(self) -> None:
         """
@@ -222,7 +243,7 @@ class ProcessRig:
         :raises NodeDied: where one does not end well.
         """
         try:
-            self._nodes.stop_all()
+            self.nodes.stop_all()
         finally:
             self._client.close()
 
@@ -232,10 +253,9 @@ class ProcessRig:
 
         :param fault: the ``ProcessFault``.
         """
-        monitor = self._monitor
-        self._wait(lambda: monitor.nodes >= MODULES.keys() and not self._client.missing()
-                   and time.monotonic() - monitor.odometry_at < 1.0, START_TIMEOUT)
-        self._reach(fault.state)
+        monitor = self.monitor
+        self.await_nodes()
+        self.reach(fault.state)
         monitor.watch()
         struck_at = monitor.changed_at
         self._strike(fault)
@@ -253,47 +273,63 @@ class ProcessRig:
                           process_violations(fault, ending, codes, monitor.stands),
                           monitor.stood_at - struck_at)
 
-    def _reach(self, state: TaskState) -> None:
-        """Set goals until a task is in a state."""
-        monitor = self._monitor
-        self._set_goal()
+    def await_nodes(self) -> None:
+        """Wait until all nodes are there, and the robot is measured."""
+        monitor = self.monitor
+        self._wait(lambda: monitor.nodes >= MODULES.keys() and not self._client.missing()
+                   and time.monotonic() - monitor.odometry_at < 1.0, START_TIMEOUT)
+
+    def reach(self, state: TaskState) -> None:
+        """
+        Set goals until a task is in a state.
+
+        :param state: the ``TaskState``.
+        """
+        monitor = self.monitor
+        self.set_goal()
         end = time.monotonic() + STATE_TIMEOUT
         while monitor.state is not state:
             if time.monotonic() > end:
                 raise ReplayFailed(f'timed out after {STATE_TIMEOUT:g} s waiting for the state '
                                    f'{state.value}; it is {monitor.state.value}, {monitor.reason}')
             if monitor.state.is_standing and time.monotonic() - monitor.changed_at > 1.0:
-                self._set_goal()
+                self.set_goal()
             self._client.pump()
 
-    def _set_goal(self) -> None:
+    def set_goal(self) -> None:
+        """Set a goal near the object."""
         goal = (self._rng.uniform(-1.0, 1.0, 3) * GOAL_RANGE).tolist()
-        self._monitor.changed_at = time.monotonic()
+        self.monitor.changed_at = time.monotonic()
         self._client.send_goal(Pose(*goal), Frames().world_frame)
 
     def _strike(self, fault: ProcessFault) -> None:
         name = fault.node
         if fault.strike is Strike.SUSPENDED:
-            self._nodes.send(name, signal.SIGSTOP)
-            self._pump(SUSPENSION)
-            self._nodes.send(name, signal.SIGCONT)
+            self.nodes.send(name, signal.SIGSTOP)
+            self.pump(SUSPENSION)
+            self.nodes.send(name, signal.SIGCONT)
             return
         if fault.strike is Strike.KILLED:
-            self._nodes.send(name, signal.SIGKILL)
-            self._pump(RESTART_TIME)
+            self.nodes.send(name, signal.SIGKILL)
+            self.pump(RESTART_TIME)
         else:
-            self._nodes.stop(name)
-        self._monitor.nodes.discard(name)
-        self._start(name)
+            self.nodes.stop(name)
+        self.monitor.nodes.discard(name)
+        self.start(name)
         if name == CONTROLLER:
             # Whatever it did is over.
-            self._monitor.state, self._monitor.reason = TaskState.IDLE, ''
+            self.monitor.state, self.monitor.reason = TaskState.IDLE, ''
 
-    def _start(self, name: str) -> None:
-        self._nodes.start(name, MODULES[name], self._files[name])
+    def start(self, name: str) -> None:
+        """
+        Start a node.
+
+        :param name: of the node.
+        """
+        self.nodes.start(name, MODULES[name], self.files[name])
 
     def _has_ended(self, struck_at: float) -> bool:
-        monitor, now = self._monitor, time.monotonic()
+        monitor, now = self.monitor, time.monotonic()
         if monitor.state.is_final and monitor.changed_at > struck_at:
             return True
         is_quiet = monitor.stands and now - monitor.changed_at > WAITING_TIME
@@ -303,10 +339,15 @@ class ProcessRig:
     def _await_rest(self) -> None:
         """Let a robot brake whose task has ended, as slowly as a weak base does."""
         end = time.monotonic() + BRAKING_TIME
-        while not self._monitor.stands and time.monotonic() < end:
+        while not self.monitor.stands and time.monotonic() < end:
             self._client.pump()
 
-    def _pump(self, duration: float) -> None:
+    def pump(self, duration: float) -> None:
+        """
+        Take in messages for a while.
+
+        :param duration: [s].
+        """
         end = time.monotonic() + duration
         while time.monotonic() < end:
             self._client.pump()

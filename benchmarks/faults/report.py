@@ -12,6 +12,7 @@ from benchmarks.faults.injection import Input, Word
 from benchmarks.faults.process_rig import ProcessRow
 from benchmarks.faults.row import Ending, Row, violation_text
 from benchmarks.faults.soak import soak_table, SoakTask
+from benchmarks.faults.surroundings import surroundings_table, SurroundingsRow
 from benchmarks.faults.verdict import Violation
 from benchmarks.report_template import fill_template
 import numpy as np
@@ -41,11 +42,13 @@ class Findings(NamedTuple):
 
     :param rows: ``Row`` of each run.
     :param processes: ``ProcessRow`` of each fault of a process.
+    :param surroundings: ``SurroundingsRow`` of each case of files, clocks and strangers.
     :param soak: each ``SoakTask``.
     """
 
     rows: Sequence[Row]
     processes: Sequence[ProcessRow]
+    surroundings: Sequence[SurroundingsRow]
     soak: Sequence[SoakTask]
 
 
@@ -61,11 +64,13 @@ def write_report(path: Path, findings: Findings, options: str) -> None:
     temporary = [row for row in rows if row.fault.is_temporary]
     text = fill_template(
         TEMPLATE, RUNS=len(rows), OPTIONS=options, TABLE=table(rows),
-        VIOLATING=sum(not row.is_ok for row in [*rows, *processes]),
+        VIOLATING=sum(not row.is_ok for row in [*rows, *processes, *findings.surroundings]),
         TEMPORARY=len(temporary),
         RECOVERED=sum(row.ending is Ending.DONE for row in temporary),
         STOPS=stop_table(rows), BOUNDS=bound_table(), STRUCK=len(processes),
+        CASES=len(findings.surroundings),
         PROCESSES=process_table(processes),
+        SURROUNDINGS=surroundings_table(findings.surroundings),
         SOAK=soak_table(findings.soak))
     path.write_text(text, encoding='utf-8')
 

@@ -10,6 +10,7 @@ from push_control.task.code_text import code_names
 from push_control.task.status import StateChange, SupervisorStatus
 from push_control.task.supervisor import Supervisor
 from push_model.trajectory import PushTrajectory
+from push_navigation.occupancy_map import OccupancyMap
 from push_scenario.definition.scenario import Scenario
 from push_scenario.simulation.loop import simulate
 from push_scenario.simulation.result import Outcome
@@ -55,6 +56,15 @@ class Simulated(NamedTuple):
     ending: Ending
     reason: str
     codes: tuple[str, ...]
+
+
+def map_of(scenario: Scenario) -> OccupancyMap | None:
+    """
+    Return the map of a scenario; None where it has none.
+
+    :param scenario: the ``Scenario``.
+    """
+    return None if scenario.task is None else scenario.task.occupancy_map
 
 
 def simulated_record(scenario: Scenario, injections: Sequence[Injection],

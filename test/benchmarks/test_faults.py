@@ -4,18 +4,20 @@ import math
 
 from benchmarks.faults.campaign import Case, draw, run
 from benchmarks.faults.injection import (
-    Fault, IN_PROCESS, Injection, Input, SIMULATED, Word, words_of,
+    Fault, IN_PROCESS, Injection, Input, Word, words_of,
 )
 from benchmarks.faults.process_rig import (
     append_process_row, process_faults, ProcessRow, read_process_rows,
 )
 from benchmarks.faults.random_faults import (
-    append_random_row, draw_case, LONGEST, RandomRow, read_random_rows, run_many, SHORTEST,
+    append_random_row, CATALOGUE, draw_case, LONGEST, RandomRow, read_random_rows, run_many,
+    SHORTEST, SORTS,
 )
 from benchmarks.faults.report import Findings, table, write_report
-from benchmarks.faults.row import Ending, Row
+from benchmarks.faults.row import append_line, Ending, Row
 from benchmarks.faults.simulated import simulated_record
 from benchmarks.faults.soak import append_task, read_tasks, Sample, SoakTask
+from benchmarks.faults.surroundings import read_surroundings, SurroundingsRow
 from benchmarks.faults.verdict import deviation
 from push_scenario.definition.loader import load_scenario
 import pytest
@@ -129,13 +131,14 @@ def test_outliers_cost_nothing(scenario):
 def test_every_word_is_drawn_for_every_input():
     """And has a line in the table, unless each run was done."""
     drawn = draw([PUSH, TASK], seed=1, count=2)
-    # For both scenarios, moments and durations.
+    # For both scenarios, moments and durations; a robot is lifted for good, and one has a lidar.
     words = {kind: len(words_of(kind)) for kind in Input}
-    assert len(drawn) == 4 * (sum(words.values()) + sum(words[kind] for kind in IN_PROCESS))
+    assert len(drawn) - 2 == (
+        4 * (sum(words.values()) + sum(words[kind] for kind in IN_PROCESS)) - 4)
     assert draw([PUSH, TASK], seed=1, count=2) == drawn
     row = run(Case(PUSH, Fault(Input.POSE, Word.SLOW, 1.0, 1.5)), time_after=1.0)
     lines = table([row._replace(fault=case.fault) for case in drawn]).splitlines()
-    assert len(lines) == 2 + 2 * sum(words.values())
+    assert len(lines) == 2 + 2 * sum(words.values()) - 1
     done = row._replace(ending=Ending.DONE, violations=())
     assert len(table([done]).splitlines()) == 2
     assert len(table([done, done._replace(violations=('NOT_AT_GOAL',))]).splitlines()) == 3
@@ -150,14 +153,19 @@ def test_the_report_has_everything(tmp_path):
     node = Sample(100.0, 18, 15, 0.5)
     task = SoakTask(True, '', 5.0, 2.0, {'push_sim': node})
     path = tmp_path / 'faults.md'
-    for findings in (Findings([row], [process], [task] * 20), Findings([row], [], [])):
+    case = SurroundingsRow('a full disk', 'says so', ('leaves 2 processes',), 3.0)
+    append_line(tmp_path / 'surroundings.jsonl', case._asdict())
+    assert read_surroundings(tmp_path / 'surroundings.jsonl') == [case]
+    everything = Findings([row], [process], [case], [task] * 20)
+    for findings in (everything, Findings([row], [], [], [])):
         write_report(path, findings, '--count 1')
         text = path.read_text(encoding='utf-8')
         assert '@' not in text and '--count 1' in text
         assert '| odometry or poses off, stuck or garbage | 1 | 0.20 |' in text
-    write_report(path, Findings([row], [process], [task] * 20), '')
+    write_report(path, everything, '')
     text = path.read_text(encoding='utf-8')
-    assert '1 violate what is expected' in text and 'waits VIOLATES: STILL_DRIVES' in text
+    assert '| a full disk | says so; leaves 2 processes | 3 |' in text
+    assert '2 violate what is expected' in text and 'waits VIOLATES: STILL_DRIVES' in text
     assert '20 tasks in a row, 100 s simulated: 20 done.' in text
     assert '| `push_sim`: memory [MB] | 100.0 | 100.0 | 1.000 |' in text
 
@@ -182,10 +190,12 @@ def test_random_faults_are_drawn_from_seed_and_number():
     cases = [draw_case(7, number) for number in range(200)]
     assert cases[150] == draw_case(7, 150) != draw_case(8, 150)
     faults = [fault for case in cases for fault in case.faults]
-    assert {fault.input for fault in faults} == set(SIMULATED)
+    assert {fault.input for fault in faults} == set(IN_PROCESS)
     assert {len(case.faults) for case in cases} == {1, 2, 3}
     assert all(SHORTEST - 0.01 < fault.end - fault.start < LONGEST + 0.01 for fault in faults)
-    assert 40 < sum(':' in case.task for case in cases) < 160
+    drawn = {case.task.partition(':')[0] for case in cases if ':' in case.task}
+    assert drawn == set(SORTS) - {CATALOGUE}
+    assert any(':' not in case.task for case in cases)
     assert '--seed 7 --run 150' in cases[150].command
 
 

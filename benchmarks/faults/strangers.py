@@ -1,0 +1,324 @@
+"""
+Cases of strangers: what others publish, call and send beside three nodes that do tasks.
+
+The nodes run on the clock of the wall. After each case another task has to be done.
+"""
+
+from collections.abc import Callable, Generator
+import contextlib
+import math
+import signal
+import subprocess
+import sys
+import time
+from typing import Any
+
+from benchmarks.faults.expectations import Notice
+from benchmarks.faults.observation import Observation, traceback_in
+from benchmarks.faults.process_rig import process_rig, ProcessRig
+from geometry_msgs.msg import PoseStamped
+from nav_msgs.msg import OccupancyGrid
+from push_control.task.status import TaskState
+from push_model.geometry import Pose
+from push_ros.conversions.primitives import to_pose_message, to_stamp
+from push_ros.node_settings import Frames
+from push_ros.push_interfaces import ACTION, import_push_interfaces
+from push_ros.topics import CONTROLLER, TOPICS
+from push_safety.status import SafetyReason
+from push_scenario.dds.private_network import private_environment
+from push_scenario.dds.replay import MODULES
+from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
+from rcl_interfaces.srv import SetParameters
+import rclpy
+from rclpy.action.client import ActionClient
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.task import Future
+from rosgraph_msgs.msg import Clock
+
+# Limit of what is waited for [s]; chosen: far above what it takes on a busy machine.
+TIMEOUT = 120.0
+# Longest time between two commands [s]: less than the time-out of usual bases.
+MAX_COMMAND_GAP = 0.5
+# The map of whoever has mistaken the unit of its resolution [bytes].
+HUGE_MAP = 400_000_000
+# How long and how often strangers publish [s], and by how much poses are tilted [rad] and a clock
+# is set [s].
+DURATION, PERIOD = 2.0, 0.02
+TILT, CLOCK_STEP = 0.5, 3600.0
+# Goals of a storm, and those of one period of it: 100 in a second.
+STORM_SIZE, STORM_PERIOD = 300, 0.01
+# Name of the second controller among the processes.
+SECOND = 'second_controller'
+HUGE = 2 ** 63 - 1
+
+
+class StrangerRig:
+    """Three nodes which do tasks, and a node beside them."""
+
+    def __init__(self, rig: ProcessRig) -> None:
+        """
+        Make a node beside the others.
+
+        :param rig: the ``ProcessRig``.
+        """
+        self.rig = rig
+        self._context = Context()
+        rclpy.init(args=[], context=self._context, domain_id=rig.nodes.domain)
+        self.node = rclpy.create_node('stranger', context=self._context)
+        self._executor = SingleThreadedExecutor(context=self._context)
+        self._executor.add_node(self.node)
+        self._publishers: dict[str, Any] = {}
+
+    def close(self) -> None:
+        """Leave the domain."""
+        self._executor.shutdown()
+        self.node.destroy_node()
+        rclpy.shutdown(context=self._context)
+
+    def publish(self, topic: str, message: Any) -> None:
+        """
+        Publish a message, the first one of a topic as soon as somebody listens.
+
+        :param topic: its name.
+        :param message: of any type.
+        """
+        if topic not in self._publishers:
+            qos = TOPICS[topic].publish_qos if topic in TOPICS else 10
+            self._publishers[topic] = self.node.create_publisher(type(message), topic, qos)
+            self.wait(lambda: self._publishers[topic].get_subscription_count() > 0)
+        self._publishers[topic].publish(message)
+
+    def spin(self, duration: float = 0.0) -> None:
+        """
+        Take in what comes, for a while.
+
+        :param duration: [s].
+        """
+        end = time.monotonic() + duration
+        while True:
+            self._executor.spin_once(timeout_sec=0.0)
+            self.rig.pump(0.0 if duration == 0.0 else PERIOD)
+            if time.monotonic() >= end:
+                return
+
+    def wait(self, condition: Callable[[], bool], timeout: float = TIMEOUT) -> bool:
+        """
+        Take in what comes until a condition holds.
+
+        :param condition: takes nothing.
+        :param timeout: [s].
+        :return: whether it holds.
+        """
+        end = time.monotonic() + timeout
+        while not condition() and time.monotonic() < end:
+            self.spin(PERIOD)
+        return condition()
+
+    def call(self, future: Future) -> Any:
+        """Wait for an answer; None where none comes."""
+        return future.result() if self.wait(future.done) else None
+
+    def repeat(self, topic: str, make: Callable[[], Any]) -> None:
+        """Publish for a while."""
+        for _ in range(round(DURATION / PERIOD)):
+            self.publish(topic, make())
+            self.spin(PERIOD)
+
+    def moving(self) -> None:
+        """Wait until a task is under way, and watch from now on."""
+        self.rig.await_nodes()
+        self.rig.reach(TaskState.APPROACH)
+        self.rig.monitor.watch()
+
+    def finish(self, seen: str, faults: list[str]) -> Observation:
+        """Let another task be done, and look for tracebacks."""
+        monitor = self.rig.monitor
+        self.rig.await_nodes()
+        self.rig.set_goal()
+        since = time.monotonic()
+        if not self.wait(lambda: monitor.state is TaskState.DONE and monitor.changed_at > since):
+            faults.append(f'the next task is not done: {monitor.state.value}, {monitor.reason}')
+        for path in self.rig.files.values():
+            log = path.parent / f'{path.stem}.log'
+            if log.is_file():
+                faults += traceback_in(log.read_text(encoding='utf-8', errors='replace'))
+        return Observation(seen, tuple(faults))
+
+    def names(self, code: object) -> list[str]:
+        """List a fault where the controller has not told a code."""
+        is_seen = str(code) in self.rig.monitor.seen
+        return [] if is_seen else [f'{code} is not told; {sorted(self.rig.monitor.seen)}']
+
+
+@contextlib.contextmanager
+def stranger_rig() -> Generator[StrangerRig, None, None]:
+    """
+    Start three nodes, and a node beside them.
+
+    :raises NodeDied: where one of them does not end well.
+    """
+    with process_rig() as rig:
+        stranger = StrangerRig(rig)
+        try:
+            yield stranger
+        finally:
+            stranger.close()
+
+
+def _huge_map(stranger: StrangerRig) -> Observation:
+    """Publish a map of 400 MB, in a process of its own."""
+    stranger.moving()
+    monitor = stranger.rig.monitor
+    process = subprocess.Popen([sys.executable, '-m', 'benchmarks.faults.huge_map',
+                                str(HUGE_MAP)], env=private_environment(stranger.rig.nodes.domain))
+    stranger.wait(lambda: process.poll() is not None)
+    process.kill()
+    gap, faults = monitor.command_gap, stranger.names(Notice.MAP_REFUSED)
+    if gap > MAX_COMMAND_GAP:
+        faults.append(f'no command for {gap:.2f} s')
+    message = OccupancyGrid()
+    message.header.frame_id = Frames().world_frame
+    message.info.resolution, message.info.width, message.info.height = 0.1, 100, 100
+    message.info.origin = to_pose_message(Pose(-5.0, -5.0, 0.0))
+    message.data = [0] * 10_000
+    stranger.publish('map', message)
+    return stranger.finish(f'{monitor.error or "not refused"}; longest gap of commands '
+                           f'{gap:.2f} s', faults)
+
+
+def _tilted_poses(stranger: StrangerRig) -> Observation:
+    stranger.moving()
+    message = PoseStamped(pose=to_pose_message(Pose(0.0, 0.0, 0.0)))
+    message.header.frame_id = Frames().world_frame
+    message.pose.orientation.x = math.sin(0.5 * TILT)
+    message.pose.orientation.w = math.cos(0.5 * TILT)
+    stranger.repeat('object_pose', lambda: message)
+    faults = stranger.names(Notice.POSE_REFUSED)
+    if math.isnan(stranger.rig.monitor.stood_at):
+        faults.append('the robot does not stop')
+    return stranger.finish(stranger.rig.monitor.error, faults)
+
+
+def _second_controller(stranger: StrangerRig) -> Observation:
+    """Let a second controller get the same goals."""
+    rig = stranger.rig
+    rig.await_nodes()
+    rig.nodes.start(SECOND, MODULES[CONTROLLER], rig.files[CONTROLLER])
+    count = stranger.node.count_publishers('cmd_vel')
+    stranger.wait(lambda: stranger.node.count_publishers('cmd_vel') > count)
+    rig.monitor.watch()
+    rig.set_goal()
+    stranger.wait(lambda: str(SafetyReason.COMMANDED_BY_OTHERS) in rig.monitor.seen, 30.0)
+    faults = stranger.names(SafetyReason.COMMANDED_BY_OTHERS)
+    if not stranger.wait(lambda: rig.monitor.stands, 5.0):
+        faults.append('the robot drives')
+    rig.nodes.stop(SECOND)
+    return stranger.finish('each says who else commands, and the robot stands', faults)
+
+
+def _clock_steps(stranger: StrangerRig) -> Observation:
+    """Let a second clock be an hour ahead for a while."""
+    stranger.moving()
+    rig, start = stranger.rig, time.monotonic()
+    stranger.repeat('/clock', lambda: Clock(clock=to_stamp(
+        CLOCK_STEP + time.monotonic() - start)))
+    seen = ', '.join(sorted(rig.monitor.seen)) or 'nothing is told'
+    return stranger.finish(f'{seen}; longest gap of commands {rig.monitor.command_gap:.2f} s', [])
+
+
+def _goals_at_shutdown(stranger: StrangerRig) -> Observation:
+    """Publish goals while the controller ends."""
+    stranger.moving()
+    nodes, goal = stranger.rig.nodes, PoseStamped(pose=to_pose_message(Pose(0.02, 0.0, 0.0)))
+    goal.header.frame_id = Frames().world_frame
+    stranger.publish('goal_pose', goal)
+    nodes.send(CONTROLLER, signal.SIGINT)
+    end = time.monotonic() + 1.0
+    while time.monotonic() < end:
+        stranger.publish('goal_pose', goal)
+        stranger.spin()
+    return _restarted(stranger)
+
+
+def _user_signal(stranger: StrangerRig) -> Observation:
+    """Send a signal that nobody expects in the middle of a task."""
+    stranger.moving()
+    stranger.rig.nodes.send(CONTROLLER, signal.SIGUSR1)
+    return _restarted(stranger)
+
+
+def _restarted(stranger: StrangerRig) -> Observation:
+    """Wait until the robot stands and the controller has ended, and start it again."""
+    rig, faults = stranger.rig, list[str]()
+    start = time.monotonic()
+    if not stranger.wait(lambda: not math.isnan(rig.monitor.stood_at), 5.0):
+        faults.append('the robot drives')
+    elapsed = time.monotonic() - start
+    rig.nodes.stop(CONTROLLER)
+    log = rig.files[CONTROLLER].parent / f'{CONTROLLER}.log'
+    faults += traceback_in(log.read_text(encoding='utf-8', errors='replace'))
+    rig.monitor.nodes.discard(CONTROLLER)
+    rig.monitor.state = TaskState.IDLE
+    rig.start(CONTROLLER)
+    return stranger.finish(f'ends well; the robot stands after {elapsed:.1f} s', faults)
+
+
+def _huge_parameters(stranger: StrangerRig) -> Observation:
+    """Set parameters to numbers that no setting can have."""
+    stranger.moving()
+    client = stranger.node.create_client(SetParameters, f'{CONTROLLER}/set_parameters')
+    stranger.wait(client.service_is_ready)
+    values = [ParameterValue(type=ParameterType.PARAMETER_INTEGER, integer_value=HUGE),
+              *(ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=value)
+                for value in (math.nan, math.inf, 1e308))]
+    names = 'control.heading_count', 'control.pose_timeout', 'supervision.position_tolerance'
+    parameters = [Parameter(name=name, value=value) for name in names for value in values]
+    results = [result for parameter in parameters for result in stranger.call(
+        client.call_async(SetParameters.Request(parameters=[parameter]))).results]
+    accepted = [f'{parameter.name}: accepts {parameter.value.integer_value or ""}'
+                f'{parameter.value.double_value or ""}'
+                for parameter, result in zip(parameters, results) if result.successful]
+    return stranger.finish(f'{len(results)} values refused, as: {results[0].reason}', accepted)
+
+
+def _action_storm(stranger: StrangerRig) -> Observation:
+    """Send 100 goals a second by the action, and cancel each at once."""
+    interfaces = import_push_interfaces()
+    if interfaces is None:
+        return Observation('not run: push_control_msgs is not installed')
+    stranger.moving()
+    client = ActionClient(stranger.node, interfaces.action, ACTION)
+    stranger.wait(client.server_is_ready)
+    goal = interfaces.action.Goal()
+    goal.goal.header.frame_id = Frames().world_frame
+    goal.goal.pose = to_pose_message(Pose(0.02, 0.0, 0.0))
+    results: list[Future] = []
+
+    def cancel(answer: Future) -> None:
+        handle: Any = answer.result()
+        if handle.accepted:
+            results.append(handle.get_result_async())
+            handle.cancel_goal_async()
+    answers: list[Future] = []
+    for _ in range(STORM_SIZE):
+        answers.append(client.send_goal_async(goal))
+        answers[-1].add_done_callback(cancel)
+        stranger.spin(STORM_PERIOD)
+    faults = [] if stranger.wait(lambda: all(answer.done() for answer in answers) and all(
+        result.done() for result in results)) else ['goals without an answer or a result']
+    accepted = len(results)
+    client.destroy()
+    return stranger.finish(f'{STORM_SIZE} goals, {accepted} accepted, each with a result', faults)
+
+
+STRANGER_CASES: dict[str, Callable[[StrangerRig], Observation]] = {
+    'strangers: tilted object poses': _tilted_poses,
+    'strangers: a second clock, an hour ahead': _clock_steps,
+    'strangers: huge numbers for parameters': _huge_parameters,
+    'strangers: a second controller': _second_controller,
+    'strangers: 100 goals a second, cancelled at once': _action_storm,
+    'strangers: a map of 400 MB': _huge_map,
+    'signals: SIGUSR1 in a task': _user_signal,
+    'signals: goals while the controller ends': _goals_at_shutdown,
+}
