@@ -47,6 +47,18 @@ class WallGrid(NamedTuple):
     row_count: int
     column_count: int
 
+    def pairs(self, points: FloatArray) -> tuple[IntArray, IntArray]:
+        """
+        List which walls are near which points, both by index.
+
+        :param points: (x, y) in the grid, shape (n, 2) [m].
+        """
+        columns, rows = np.floor((points - (self.x, self.y)) / self.side).astype(int).T
+        cells = rows * self.column_count + columns
+        counts = self.first[cells + 1] - self.first[cells]
+        index, place = _numbered(counts)
+        return index, self.near[self.first[cells][index] + place]
+
     def as_lists(self) -> 'WallGrid':
         """Return the same with lists, which plain Python reads faster."""
         return self._replace(rows=self.rows.tolist(), first=self.first.tolist(),
@@ -88,11 +100,15 @@ def _cells_of_boxes(first: IntArray, last: IntArray, columns: int) -> tuple[IntA
     :param columns: of the grid.
     """
     widths, heights = (last - first + 1).T
-    index = np.repeat(np.arange(len(first)), widths * heights)
-    starts = np.cumsum(widths * heights) - widths * heights
-    place = np.arange(len(index)) - starts[index]
+    index, place = _numbered(widths * heights)
     row, column = np.divmod(place, widths[index])
     return index, (first[index, 1] + row) * columns + first[index, 0] + column
+
+
+def _numbered(counts: IntArray) -> tuple[IntArray, IntArray]:
+    """List the members of groups of given sizes: index of the group, and place in it."""
+    index = np.repeat(np.arange(len(counts)), counts)
+    return index, np.arange(len(index)) - (np.cumsum(counts) - counts)[index]
 
 
 def touch_reach(obj: PushedObject, robot_radius: float) -> float:

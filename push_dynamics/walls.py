@@ -16,8 +16,8 @@ from push_dynamics.layout import (
     COM_X, COM_Y, DISC_RADIUS, ROBOT_AT_WALL, ROBOT_RADIUS, ROBOT_X, ROBOT_Y, V_X, V_Y,
     WALL_FORCE_X, WALL_FRICTION, WALL_SLACK, X, Y,
 )
-from push_dynamics.wall_grid import MARGIN, walls_near
-from push_model.geometry import FloatArray
+from push_dynamics.wall_grid import MARGIN, wall_grid, walls_near
+from push_model.geometry import BoolArray, FloatArray
 from push_model.quantity import check, quantity
 
 # Distance below which ends of walls coincide, or a point is on a wall [m]; chosen: far below what
@@ -84,32 +84,33 @@ def wall_rows(walls: Sequence[Wall]) -> list[tuple[float, ...]]:
     directions = (ends - starts) / lengths[:, None]
     rows = [(x, y, d_x, d_y, length) for (x, y), (d_x, d_y), length
             in zip(starts.tolist(), directions.tolist(), lengths.tolist())]
-    # A point on a wall is in its box.
-    low = np.minimum(starts, ends) - 2.0 * JOINT_TOLERANCE
-    high = np.maximum(starts, ends) + 2.0 * JOINT_TOLERANCE
-    corners: set[tuple[float, float]] = set()
-    for points, outward in ((starts, -directions), (ends, directions)):
-        for point, away in zip(points, outward):
-            near = np.flatnonzero((low[:, 0] <= point[0]) & (point[0] <= high[:, 0])
-                                  & (low[:, 1] <= point[1]) & (point[1] <= high[:, 1]))
-            if not _goes_on(point, away, starts[near], directions[near], lengths[near]):
-                corners.add((float(point[0]), float(point[1])))
+    points, outward = np.concatenate((starts, ends)), np.concatenate((-directions, directions))
+    of_point, of_wall = wall_grid(rows, 2.0 * JOINT_TOLERANCE).pairs(points)
+    goes_on = _goes_on(points[of_point] - starts[of_wall], outward[of_point],
+                       directions[of_wall], lengths[of_wall])
+    is_corner = np.bincount(of_point, goes_on, len(points)) == 0
+    corners = {(x, y) for x, y in points[is_corner].tolist()}
     return rows + [(x, y, 0.0, 0.0, 0.0) for x, y in sorted(corners)]
 
 
-def _goes_on(point: FloatArray, away: FloatArray, starts: FloatArray, directions: FloatArray,
-             lengths: FloatArray) -> bool:
-    """Tell whether walls go straight on behind a point, or pass it; from each wall comes a row."""
-    offsets = point - starts
+def _goes_on(offsets: FloatArray, away: FloatArray, directions: FloatArray,
+             lengths: FloatArray) -> BoolArray:
+    """
+    Tell whether a wall goes straight on behind the end of another one, or passes it.
+
+    :param offsets: of that end from the start of the wall, shape (n, 2) [m].
+    :param away: outward direction there, shape (n, 2).
+    :param directions: of the wall, shape (n, 2).
+    :param lengths: of the wall, shape (n,) [m].
+    """
     along = np.sum(offsets * directions, axis=1)
     across = np.abs(offsets[:, 0] * directions[:, 1] - offsets[:, 1] * directions[:, 0])
     on_wall = across < JOINT_TOLERANCE
     inside = on_wall & (along > JOINT_TOLERANCE) & (along < lengths - JOINT_TOLERANCE)
     at_start = on_wall & (np.abs(along) <= JOINT_TOLERANCE)
     at_end = on_wall & (np.abs(along - lengths) <= JOINT_TOLERANCE)
-    goes_on = (at_start & (directions @ away > STRAIGHT)
-               | at_end & (directions @ away < -STRAIGHT))
-    return bool((inside | goes_on).any())
+    cosines = np.sum(directions * away, axis=1)
+    return inside | (at_start & (cosines > STRAIGHT)) | (at_end & (cosines < -STRAIGHT))
 
 
 @compiled
