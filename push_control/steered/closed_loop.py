@@ -32,6 +32,9 @@ from push_model.trajectory import PushTrajectory
 # Spacing of the positions at which a new path is compared with the floor of the plan [m]; chosen:
 # a small part of any turn, and of the margin of the floor.
 FLOOR_SPACING = 0.1
+# Fraction of the tolerances within which a push has arrived. Chosen: the estimate of the pose is
+# off by some millimetres itself.
+ARRIVAL_TOLERANCE_RATIO = 0.85
 
 
 class _Target(NamedTuple):
@@ -296,19 +299,36 @@ class ClosedLoopPush(PushExecution):
                 self._bounds.restart()
         if projection.remaining_distance > self._settings.stop_distance:
             return projection
+        return self._arrive(projection)
+
+    def _arrive(self, projection: PathProjection) -> PathProjection:
+        """Approach the goal again unless the object has come near enough, or end the push."""
         flat_output = self._model.flat_output
-        again = guidance.arrive(flat_output, projection, self._draw_path)
-        if again is not None:
-            self._bounds.restart()
-            return again
-        overshoot = max(0.0, flat_output.x)
-        if guidance.is_off(projection) or overshoot > self._settings.position_tolerance:
-            self._fail(PushEvent.GOAL_MISSED.report(
-                distance=1e3 * math.hypot(overshoot, projection.lateral_error),
-                heading=math.degrees(projection.heading_error)))
-        else:
+        # Back from beyond the goal is a matter of another plan.
+        is_beyond = flat_output.x > self._settings.position_tolerance
+        if not (is_beyond or self._is_at_goal(ARRIVAL_TOLERANCE_RATIO)):
+            again = self._guidance.reapproach(flat_output, self._draw_path)
+            if again is not None:
+                self._bounds.restart()
+                return again
+        if self._is_at_goal():
             self._outcome = self._outcome._replace(is_finished=True)
+        else:
+            position_error, heading_error = self._errors
+            self._fail(PushEvent.GOAL_MISSED.report(distance=1e3 * position_error,
+                                                    heading=math.degrees(heading_error)))
         return projection
+
+    def _is_at_goal(self, tolerance_ratio: float = 1.0) -> bool:
+        """
+        Tell whether the errors of the object keep to a fraction of the tolerances.
+
+        That z is at its goal is not enough: it lies off the object's frame, whose heading error
+        adds to its distance.
+        """
+        position_error, heading_error = self._errors
+        return (position_error <= tolerance_ratio * self._settings.position_tolerance
+                and abs(heading_error) <= tolerance_ratio * self._settings.heading_tolerance)
 
     def _replan_limits(self) -> CurvatureLimits:
         """Limits of new paths: a differential drive has no cone to spare to one side."""

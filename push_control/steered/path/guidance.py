@@ -9,9 +9,6 @@ from push_control.steered.path.path import (
     FlatOutputPath, PathProjection, project_on_path, PROJECTION_SIZE)
 from push_model.geometry import FloatArray, Pose
 
-# Fraction of the tolerances within which a push has arrived. Chosen: the estimate of the pose is
-# off by some millimetres itself.
-ARRIVAL_TOLERANCE_RATIO = 0.85
 # How much of the friction cone new paths may use: at least so much of their part of it, and less
 # by this factor with every approach that has missed. Chosen: wider turns miss by less where
 # supports rub otherwise than their nominal values.
@@ -108,17 +105,6 @@ class Guidance:
         self.path_replans += 1
         return self._follow(path, pose)
 
-    def is_off(self, projection: PathProjection, tolerance_ratio: float = 1.0) -> bool:
-        """
-        Tell whether the errors exceed a fraction of the tolerances.
-
-        :param tolerance_ratio: the fraction.
-        :return: whether they do.
-        """
-        settings = self._settings
-        return (abs(projection.lateral_error) > tolerance_ratio * settings.position_tolerance
-                or abs(projection.heading_error) > tolerance_ratio * settings.heading_tolerance)
-
     def cone_fraction(self, center_error_ratio: float) -> float:
         """
         Fraction of the cone that new paths may use, of what the settings allow them.
@@ -131,30 +117,13 @@ class Guidance:
         return (max(MIN_CAUTION, 1.0 - center_error_ratio)
                 * CAUTION_FACTOR ** self.reapproaches)
 
-    def arrive(self, pose: Pose, projection: PathProjection,
-               draw_path: PathSource) -> PathProjection | None:
+    def reapproach(self, pose: Pose, draw_path: PathSource) -> PathProjection | None:
         """
-        Approach the goal again unless the push has come near enough.
+        Approach the goal again, where number and room allow it.
 
         :param pose: ``Pose`` of z in its goal frame.
-        :param projection: ``PathProjection`` at the end of the present path.
         :return: ``PathProjection`` on the new path, or None where there is none.
         """
-        if not self.is_off(projection, ARRIVAL_TOLERANCE_RATIO):
-            return None
-        return self._reapproach(pose, draw_path)
-
-    def _reapproach_in_time(self, pose: Pose, projection: PathProjection,
-                            draw_path: PathSource) -> PathProjection:
-        """Approach the goal again before the end of a path that will miss it."""
-        if not self.is_off(projection, self._settings.reapproach_tolerance_ratio):
-            return projection
-        self._time_since_replan = 0.0
-        again = self._reapproach(pose, draw_path)
-        return projection if again is None else again
-
-    def _reapproach(self, pose: Pose, draw_path: PathSource) -> PathProjection | None:
-        """Approach the goal again, where number and room allow it; None where they do not."""
         if self.reapproaches >= self._settings.max_reapproaches:
             return None
         path = draw_path(pose)
@@ -162,6 +131,18 @@ class Guidance:
             return None
         self.reapproaches += 1
         return self._follow(path, pose)
+
+    def _reapproach_in_time(self, pose: Pose, projection: PathProjection,
+                            draw_path: PathSource) -> PathProjection:
+        """Approach the goal again before the end of a path that will miss it."""
+        settings = self._settings
+        ratio = settings.reapproach_tolerance_ratio
+        if (abs(projection.lateral_error) <= ratio * settings.position_tolerance
+                and abs(projection.heading_error) <= ratio * settings.heading_tolerance):
+            return projection
+        self._time_since_replan = 0.0
+        again = self.reapproach(pose, draw_path)
+        return projection if again is None else again
 
     def _follow(self, path: FlatOutputPath, pose: Pose) -> PathProjection:
         self._path = path

@@ -238,6 +238,15 @@ def test_a_base_that_drives_on_at_the_goal_is_no_success():
     assert outcome.position_error > SETTINGS.position_tolerance
 
 
+def test_an_object_beside_its_goal_is_not_done_where_its_flat_output_is() -> None:
+    """The flat output is within the tolerance, and the heading error adds to the distance."""
+    settings = ControlSettings(position_tolerance=0.002, max_replan_requests=0)
+    outcome = run(random_case(7), settings, 7)
+    assert outcome.status.event is PushEvent.GOAL_MISSED
+    assert outcome.status.position_error > settings.position_tolerance
+    assert abs(outcome.status.heading_error) < settings.heading_tolerance
+
+
 @pytest.mark.parametrize('bad', [math.nan, math.inf])
 def test_what_is_not_finite_stops_the_robot_and_leaves_no_trace(recorded, bad):
     """A broken pose or odometry is answered by a stop; afterwards everything is finite."""

@@ -81,8 +81,7 @@ def test_a_push_that_will_miss_approaches_the_goal_again_as_often_as_allowed():
     assert found.remaining_distance > 1.0
     assert guidance.planned_length == planned
     assert guidance.cone_fraction(0.0) < caution
-    missed = guidance.project(Pose(0.0, 0.05, 0.0))
-    assert guidance.arrive(Pose(0.0, 0.05, 0.0), missed, draw) is None
+    assert guidance.reapproach(Pose(0.0, 0.05, 0.0), draw) is None
     assert guidance.reapproaches == 1
 
 
@@ -95,18 +94,9 @@ def test_a_path_that_may_not_be_drawn_is_not_followed(pose):
     for _ in range(3):
         if guidance.is_due(projection.remaining_distance, False, 1.0, 0.2):
             assert guidance.update(pose, projection, drawn.append) == projection
-    assert guidance.arrive(pose, guidance.project(pose), drawn.append) is None
+    assert guidance.reapproach(pose, drawn.append) is None
     assert guidance.path_replans == guidance.reapproaches == 0
     assert len(drawn) == 2
-
-
-def test_a_push_within_the_tolerances_has_arrived():
-    """It does not approach again."""
-    guidance = make_guidance()
-    pose = Pose(0.0, 0.01, 0.01)
-    projection = guidance.project(pose)
-    assert not guidance.is_off(projection)
-    assert guidance.arrive(pose, projection, draw) is None and guidance.reapproaches == 0
 
 
 def test_new_paths_use_less_of_the_cone_the_less_is_known():
