@@ -1,4 +1,11 @@
-"""Feasibility checks: what can be refused before anything is solved, each with its reason."""
+"""
+Feasibility checks: what can be refused before anything is solved, each with its reason.
+
+A refusal names the least change that would do: in its sentence, and as a number of its report.
+``turn`` is that of the robot's heading [rad], ``shift`` that of the contact along its face [m],
+``contact_friction`` and ``pushing_speed`` are the values needed, and ``rotation`` is what the goal
+needs beside its own [rad].
+"""
 
 import math
 
@@ -96,8 +103,10 @@ def _check_values(problem: PushProblem) -> None:
     check_object_stands(problem.obj)
     cone = problem.settings.angle_limit == 'cone'
     if cone and problem.obj.contact_friction_coefficient == 0.0:
+        needed = _needed_friction(problem, 0.0)
         raise PlanningFailed(PlanFailure.NO_CONTACT_FRICTION, 'the contact has no friction: a '
-                             'frictionless contact cannot steer')
+                             f'frictionless contact cannot steer, one of {needed:.2g} can',
+                             {'contact_friction': needed})
     check_not_at_goal(problem.start, problem.goal, problem.settings)
 
 
@@ -105,7 +114,8 @@ def _check_robot(problem: PushProblem) -> None:
     robot, speed = problem.robot, problem.settings.pushing_speed
     if speed > robot.max_speed:
         raise PlanningFailed(PlanFailure.ROBOT_TOO_SLOW, f'pushing at {speed:g} m/s is faster '
-                             f'than the robot drives, {robot.max_speed:g} m/s')
+                             f'than the robot drives, {robot.max_speed:g} m/s',
+                             {'pushing_speed': robot.max_speed})
     if robot.radius == 0.0 and (robot.drive == 'differential' or problem.contact.kind == 'vertex'):
         raise PlanningFailed(PlanFailure.UNSUPPORTED_CONTACT, 'a point robot needs a holonomic '
                              'drive and a face or a round outline: elsewhere nothing fixes the '
@@ -119,16 +129,19 @@ def _check_differential_drive(problem: PushProblem) -> None:
             'contact is not supported yet: place the robot at a vertex')
     offset = problem.heading_offset
     if math.cos(offset) <= 0.0:
+        change, report = _nearer_the_normal(problem)
         raise PlanningFailed(PlanFailure.FACING_AWAY,
                              'the robot points away from the object: its heading is '
-                             f'{math.degrees(abs(offset)):.0f} deg off the contact normal')
+                             f'{math.degrees(abs(offset)):.0f} deg off the contact normal{change}',
+                             report)
     if problem.settings.angle_limit == 'cone' and (
             abs(offset) > problem.planning_cone_angle - MIN_STEERING_ANGLE):
+        change, report = _nearer_the_normal(problem)
         raise PlanningFailed(
             PlanFailure.ONE_SIDED_STEERING,
             f'the robot heads {math.degrees(abs(offset)):.1f} deg off the contact normal and so '
             'can turn to one side only: the planning cone has '
-            f'{_to_either_side(problem.planning_cone_angle)}')
+            f'{_to_either_side(problem.planning_cone_angle)}{change}', report)
 
 
 def _check_side(problem: PushProblem) -> None:
@@ -149,11 +162,12 @@ def _check_steering(problem: PushProblem) -> None:
         if limit == 'angle':
             largest = problem.settings.max_pushing_angle
         if abs(offset) > largest - MIN_STEERING_ANGLE:
+            change, report = _nearer_the_center(problem, largest - MIN_STEERING_ANGLE)
             raise PlanningFailed(
                 PlanFailure.ONE_SIDED_STEERING,
                 'the contact cannot steer to both sides: its normal is '
                 f'{math.degrees(abs(offset)):.1f} deg off the centre of friction, and the '
-                f'planning cone has {_to_either_side(largest)}')
+                f'planning cone has {_to_either_side(largest)}{change}', report)
         return
     low, high = recoverable_offsets(problem)
     if limit == 'cone' and not low <= offset <= high:
@@ -168,15 +182,63 @@ def _check_rotation(problem: PushProblem) -> None:
     if problem.settings.heading_free:
         return
     low, high = rotation_range(problem)
-    rotation = problem.relative_goal.theta
     # Without loops there is one way to rotate: a rolling contact that turned full circle is gone.
-    if not any(low <= rotation + 2.0 * math.pi * k <= high for k in (-1, 0, 1)):
+    rotations = [problem.relative_goal.theta + 2.0 * math.pi * k for k in (-1, 0, 1)]
+    if not any(low <= rotation <= high for rotation in rotations):
+        change = min((max(low - rotation, min(0.0, high - rotation)) for rotation in rotations),
+                     key=abs)
         raise PlanningFailed(
             PlanFailure.LEAVES_CONTACT_FEATURE,
-            f'the goal is rotated by {math.degrees(wrap_angle(rotation)):.1f} deg, and the '
+            f'the goal is rotated by {math.degrees(wrap_angle(rotations[1])):.1f} deg, and the '
             f'contact leaves its {problem.contact.kind} beyond {math.degrees(low):.1f} to '
             f'{math.degrees(high):.1f} deg as it rolls: choose a smaller robot, another contact, '
-            'or let the robot rotate with the object')
+            f'a goal rotated by {math.degrees(change):+.1f} deg beside this one, or let the robot '
+            'rotate with the object', {'rotation': change})
+
+
+def _needed_friction(problem: PushProblem, angle: float) -> float:
+    """Contact friction with which the planning cone leaves enough to steer beyond an angle."""
+    settings = problem.settings
+    cone = (angle + MIN_STEERING_ANGLE) / settings.cone_margin
+    return math.tan(cone) / settings.friction_discount if cone < math.pi / 2 else math.inf
+
+
+def _nearer_the_center(problem: PushProblem, largest: float) -> tuple[str, dict[str, float]]:
+    """
+    Tell how a contact of a holonomic base could steer to both sides.
+
+    :param largest: angle of its normal off the centre of friction that does [rad].
+    :return: end of the sentence, and numbers by name.
+    """
+    angle, arm = abs(problem.normal_offset), problem.vehicle.arm
+    texts: list[str] = []
+    report: dict[str, float] = {}
+    if problem.contact.kind == 'face' and largest > 0.0:
+        report['shift'] = arm * (math.sin(angle) - math.cos(angle) * math.tan(largest))
+        texts.append(f'{1e3 * report["shift"]:.0f} mm nearer to the middle it could')
+    friction = _needed_friction(problem, angle)
+    if problem.settings.angle_limit == 'cone' and math.isfinite(friction):
+        report['contact_friction'] = friction
+        texts.append(f'with a contact friction of {friction:.2f} it could')
+    return ''.join(f'; {text}' for text in texts), report
+
+
+def _nearer_the_normal(problem: PushProblem) -> tuple[str, dict[str, float]]:
+    """
+    Tell how a differential drive could steer to both sides.
+
+    :return: end of the sentence, and numbers by name.
+    """
+    offset, largest = problem.heading_offset, math.pi / 2
+    if problem.settings.angle_limit == 'cone':
+        largest = problem.planning_cone_angle - MIN_STEERING_ANGLE
+    if largest <= 0.0:
+        friction = _needed_friction(problem, abs(offset))
+        return (f'; with a contact friction of {friction:.2g} it could',
+                {'contact_friction': friction})
+    turn = math.copysign(abs(offset) - largest, offset)
+    side = 'left' if turn > 0.0 else 'right'
+    return f'; turned by {math.degrees(abs(turn)):.1f} deg to the {side} it could', {'turn': turn}
 
 
 def _to_either_side(angle: float) -> str:

@@ -3,6 +3,7 @@
 import dataclasses
 import math
 import pickle
+from typing import Callable
 
 from helpers.objects import bin_, box
 from helpers.push_problems import (
@@ -10,9 +11,10 @@ from helpers.push_problems import (
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject, RoundRobot, Support
 from push_model.plan_request import GoalTolerances, PlanFailure
-from push_planner.problem import PlannerSettings, PlanningFailed, problem_from_placement
+from push_planner.problem import (
+    PlannerSettings, PlanningFailed, problem_from_placement, PushProblem)
 from push_planner.steered import assembly
-from push_planner.steered.feasibility import check_not_at_goal
+from push_planner.steered.feasibility import check_feasibility, check_not_at_goal
 from push_planner.steered.integration.refinement import refine
 from push_planner.steered.planner import plan_push
 import pytest
@@ -134,6 +136,53 @@ def test_the_impossible_is_refused_with_its_reason(name):
     assert failure.value.code is code
     assert failure.value.reason == str(failure.value)
     assert '\n' not in failure.value.reason
+
+
+def _turned(problem: PushProblem, turn: float) -> PushProblem:
+    return dataclasses.replace(problem, heading=problem.heading + turn)
+
+
+def _shifted(problem: PushProblem, shift: float) -> PushProblem:
+    offset = problem.contact.offset
+    return dataclasses.replace(problem, contact=dataclasses.replace(
+        problem.contact, offset=offset - math.copysign(shift, offset)))
+
+
+def _rotated(problem: PushProblem, rotation: float) -> PushProblem:
+    return dataclasses.replace(problem, goal=problem.goal @ Pose(0.0, 0.0, rotation))
+
+
+def _gripped(problem: PushProblem, friction: float) -> PushProblem:
+    return dataclasses.replace(problem, obj=dataclasses.replace(
+        problem.obj, contact_friction_coefficient=friction))
+
+
+def _slowed(problem: PushProblem, speed: float) -> PushProblem:
+    return dataclasses.replace(problem, settings=dataclasses.replace(
+        problem.settings, pushing_speed=speed))
+
+
+@pytest.mark.parametrize('problem, name, change', [
+    (vertex_problem(AHEAD, heading=2.0), 'turn', _turned),
+    (vertex_problem(AHEAD, heading=-0.3), 'turn', _turned),
+    (face_problem(AHEAD, offset=0.1), 'shift', _shifted),
+    (face_problem(AHEAD, offset=-0.1), 'shift', _shifted),
+    (face_problem(AHEAD, offset=0.05), 'contact_friction', _gripped),
+    (slippery(0.0), 'contact_friction', _gripped),
+    (slippery(0.02), 'contact_friction', _gripped),
+    (vertex_problem(AHEAD, pushing_speed=0.6), 'pushing_speed', _slowed),
+    (face_problem(Pose(1.5, 0.3, 1.7), robot_yaw='fixed'), 'rotation', _rotated),
+    (face_problem(Pose(1.5, 0.3, -2.9), robot_yaw='fixed'), 'rotation', _rotated)])
+def test_the_least_change_that_a_refusal_names_does_and_less_does_not(
+        problem: PushProblem, name: str, change: Callable[[PushProblem, float], PushProblem],
+        ) -> None:
+    with pytest.raises(PlanningFailed) as failure:
+        check_feasibility(problem)
+    needed = failure.value.report[name]
+    less, more = (0.99, 1.01) if name != 'pushing_speed' else (1.01, 0.99)
+    check_feasibility(change(problem, more * needed))
+    with pytest.raises(PlanningFailed):
+        check_feasibility(change(problem, less * needed))
 
 
 def test_a_bin_has_no_vertices():
