@@ -1,8 +1,7 @@
 """
 Tags on an object: their numbers, sizes and places, as a file in ``config/tags`` has them.
 
-A tag is of the family 36h11. Looked at from in front, as it is printed, its frame has x to the
-right, y up and z out of it, with the origin in its middle, as that of ``apriltag_ros``.
+A tag is of the family 36h11.
 """
 
 import dataclasses
@@ -14,37 +13,18 @@ from push_model.files.parameter_files import named_file
 from push_model.files.strict_yaml import load_yaml
 from push_model.geometry import FloatArray
 from push_model.quantity import check, quantity
-from push_model.rigid_transform import RigidTransform
+from push_model.tag_mounting import TagMounting
 
 # Tags of the family 36h11.
 TAG_COUNT = 587
 
 
 @dataclasses.dataclass(frozen=True)
-class ObjectTag:
-    """A tag, and its pose in the frame of the object."""
+class ObjectTag(TagMounting):
+    """A tag, and its pose in the frame of the object, whose origin is on the floor."""
 
     id: int = quantity('number of the tag in its family', '', 0, TAG_COUNT - 1)
     size: float = quantity('edge of its black square', 'm', above=0.0, high=2.0)
-    x: float = quantity('its middle in the object frame, x', 'm', -10.0, 10.0, default=0.0)
-    y: float = quantity('its middle in the object frame, y', 'm', -10.0, 10.0, default=0.0)
-    z: float = quantity('its middle above the floor', 'm', -10.0, 10.0, default=0.0)
-    roll: float = quantity('rotation about the x axis of the object, first', 'rad', -7.0, 7.0,
-                           default=0.0)
-    pitch: float = quantity('rotation about the y axis of the object, second', 'rad', -7.0, 7.0,
-                            default=0.0)
-    yaw: float = quantity('rotation about the z axis of the object, third', 'rad', -7.0, 7.0,
-                          default=0.0)
-
-    def __post_init__(self) -> None:
-        """Validate the fields."""
-        check(self)
-
-    @property
-    def pose(self) -> RigidTransform:
-        """``RigidTransform`` of the tag in the frame of the object."""
-        return RigidTransform.from_angles((self.x, self.y, self.z),
-                                          (self.roll, self.pitch, self.yaw))
 
     @property
     def corners(self) -> FloatArray:

@@ -3,37 +3,22 @@
 import dataclasses
 
 from push_model.quantity import check, MIN_NOISE, quantity
-from push_model.rigid_transform import RigidTransform
+from push_model.tag_mounting import TagMounting
 
 
 @dataclasses.dataclass(frozen=True)
-class MountedTag:
+class MountedTag(TagMounting):
     """A tag, marker or rigid body of motion capture, and its pose in the frame of the object."""
 
     frame: str = quantity('tf frame of the tag')
-    x: float = quantity('centre of the tag in the object frame, x', 'm', -10.0, 10.0, default=0.0)
-    y: float = quantity('centre of the tag in the object frame, y', 'm', -10.0, 10.0, default=0.0)
-    z: float = quantity('centre of the tag in the object frame, z', 'm', -10.0, 10.0, default=0.0)
-    roll: float = quantity('rotation about the x axis of the object, first', 'rad', -7.0, 7.0,
-                           default=0.0)
-    pitch: float = quantity('rotation about the y axis of the object, second', 'rad', -7.0, 7.0,
-                            default=0.0)
-    yaw: float = quantity('rotation about the z axis of the object, third', 'rad', -7.0, 7.0,
-                          default=0.0)
 
     def __post_init__(self) -> None:
         """Validate the fields."""
-        check(self)
+        super().__post_init__()
         # tf2 knows no leading slash, which older files have.
         object.__setattr__(self, 'frame', self.frame.lstrip('/'))
         if not self.frame:
             raise ValueError('MountedTag.frame: got an empty text, expected a frame id')
-
-    @property
-    def pose(self) -> RigidTransform:
-        """``RigidTransform`` of the tag in the frame of the object."""
-        return RigidTransform.from_angles((self.x, self.y, self.z),
-                                          (self.roll, self.pitch, self.yaw))
 
 
 @dataclasses.dataclass(frozen=True)
