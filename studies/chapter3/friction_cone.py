@@ -113,8 +113,8 @@ def _draw_cone(axes: Axes, path: Table, time: float, cone: float) -> None:
 STUDIES = (
     Study('3.7', 'Push and contact force in the friction cone', (*PARAMETERS, SPEED),
           compute, draw,
-          'Between switches the push uses {push:.1f} of the friction cone (sectors), the contact '
-          'force {force:.1f}. At {outside:.0f} of {switches:.0f} switches the push jumps, and the '
-          'impulse of the jump lies outside.',
-          'So a jump would make the contact slide; spread over up to {blend:.0f} cm it is a force '
-          'inside the cone.', (6.4, 6.0)),)
+          'Between switches the contact sticks: the push uses up to {push:.1f} of the friction '
+          'cone (sectors), the contact force {force:.1f}. A switch in an instant needs an impulse '
+          '(diamonds); at {outside:.0f} of {switches:.0f} it lies outside of the cone.',
+          'A robot therefore spreads each switch over up to {blend:.0f} cm of its way, and the '
+          'force stays inside.', (6.4, 6.0)),)

@@ -163,6 +163,32 @@ def draw_outlines(axes: Axes, obj: PushedObject, poses: Sequence[Pose]) -> None:
                   linestyle=plot_style.DASHED if is_goal else '-', **style)
 
 
+def path_difference(path: Table, reference: Table) -> FloatArray:
+    """
+    Compute how far apart two paths of the middle are, at the same fraction of their time.
+
+    :param path: of ``path_table``.
+    :param reference: likewise, of as many samples n.
+    :return: distances [m], shape (n,).
+    """
+    return np.hypot(path['x_m'] - reference['x_m'], path['y_m'] - reference['y_m'])
+
+
+def draw_difference(axes: Axes, path: Table, reference: Table, **style: Any) -> None:
+    """
+    Draw ``path_difference`` over the course of the push.
+
+    :param axes: to draw on.
+    :param path: of ``path_table``.
+    :param reference: likewise.
+    :param style: keywords of ``plot``.
+    """
+    axes.plot(100.0 * path['time_s'] / path['time_s'][-1],
+              1e3 * path_difference(path, reference), **style)
+    axes.set_xlabel('part of the push [%]')
+    axes.set_ylabel('difference of the path [mm]')
+
+
 def draw_center(axes: Axes, path: Table, **style: Any) -> None:
     """
     Draw the path of the object's middle.

@@ -42,6 +42,8 @@ def compute(values: Values, _: RunJobs) -> Outcome:
     faster = sorted((speed ** 2 - values.planned_speed ** 2, miss)
                     for speed, miss in zip(values.speeds, misses) if speed > values.planned_speed)
     return Outcome(tables, {
+        'planned': Finding(values.planned_speed, 'm/s', 'speed that the input was planned for'),
+        'slowest': Finding(values.slow_speed, 'm/s', 'the very low speed'),
         'least': Finding(min(misses[:-1]), 'm', 'least distance from the goal'),
         'next': Finding(faster[0][1] if faster else 0.0, 'm', 'distance from the goal at the next '
                         'speed above the planned one'),
@@ -51,7 +53,8 @@ def compute(values: Values, _: RunJobs) -> Outcome:
         'friction': Finding(needed_friction, '', 'contact friction that the forces need between '
                             'jumps'),
         'power': Finding(_power(faster), '', 'power of the increase of the squared speed with '
-                         'which the distance grows, at the next two speeds')})
+                         'which the distance grows, at the next two speeds'),
+        'last_power': Finding(_power(faster[-2:]), '', 'the same, at the last two speeds')})
 
 
 def _power(points: Sequence[tuple[float, float]]) -> float:
@@ -91,7 +94,9 @@ STUDIES = (Study(
      Parameter('planned_speed', 'm/s', 'speed that the input was planned for'),
      Parameter('slow_speed', 'm/s', 'a very low speed, for comparison')),
     compute, draw,
-    'Faster than planned the box rotates less and misses by {next:.2f} to {fastest:.2f} m; as '
-    'slowly as possible it misses by {slow:.3f} m.',
-    'The miss grows with the power {power:.1f} of what the squared speed exceeds that of the plan '
-    'by.', (6.4, 5.6)),)
+    'The input is planned for {planned:g} m/s and meets the goal there. Faster pushes rotate the '
+    'box less: they miss by {next:.2f} to {fastest:.2f} m. A slower one, at {slowest:g} m/s, '
+    'misses by {slow:.3f} m.',
+    'At first the miss grows with the power {power:.1f} of what the squared speed exceeds that of '
+    'the plan by, at the end with {last_power:.1f}.',
+    (6.4, 5.6)),)

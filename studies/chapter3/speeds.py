@@ -1,14 +1,12 @@
 """Point robot: the push to the same goal at several speeds."""
 
-import math
-
 from matplotlib.figure import Figure
 import numpy as np
 from push_model.geometry import FloatArray
 from push_planner.steered.planner import plan_push
 from studies.chapter3.setup import (
-    draw_center, draw_inputs, draw_outlines, input_table, path_table, poses_at, push_problem,
-    SEGMENTS, SETUP,
+    draw_center, draw_difference, draw_inputs, draw_outlines, input_table, path_difference,
+    path_table, poses_at, push_problem, SEGMENTS, SETUP,
 )
 from studies.framework import plot_style
 from studies.framework.box import box
@@ -29,7 +27,8 @@ def compute(values: Values, _: RunJobs) -> Outcome:
     distances = np.array([plan.segment_ends[-1] for plan in plans])
     angles = [tables[f'inputs_{speed:g}']['rho_rad'] for speed in values.speeds]
     slowest = tables[f'path_{values.speeds[0]:g}']
-    deviations = [_deviation(tables[f'path_{speed:g}'], slowest) for speed in values.speeds]
+    deviations = [float(path_difference(tables[f'path_{speed:g}'], slowest).max())
+                  for speed in values.speeds]
     tables['distances'] = {'speed_m_s': values.speeds, 'distance_m': distances,
                            'duration_s': distances / np.array(values.speeds),
                            'path_from_slowest_m': deviations}
@@ -54,25 +53,22 @@ def _largest_difference(angles: FloatArray, others: FloatArray) -> float:
     return float(np.abs(angles - others).max())
 
 
-def _deviation(path: Table, other: Table) -> float:
-    """Compute the greatest distance between two paths, at the same fraction of their time [m]."""
-    return max(math.hypot(*step) for step in zip(path['x_m'] - other['x_m'],
-                                                 path['y_m'] - other['y_m']))
-
-
 def draw(figure: Figure, outcome: Outcome, values: Values) -> None:
     """Draw paths and inputs."""
-    above, below = figure.subplots(2, 1, height_ratios=(1.6, 1.0))
+    panels = figure.subplot_mosaic('AD;BB', height_ratios=(1.4, 1.0), width_ratios=(1.5, 1.0))
     slowest = outcome.tables[f'path_{values.speeds[0]:g}']
-    draw_outlines(above, box(values), poses_at(slowest, slowest['time_s'][[0, -1]]))
+    draw_outlines(panels['A'], box(values), poses_at(slowest, slowest['time_s'][[0, -1]]))
     for index, speed in enumerate(values.speeds):
-        style = plot_style.nested_series(index, len(values.speeds), 1.4)
-        inputs = outcome.tables[f'inputs_{speed:g}']
-        draw_center(above, outcome.tables[f'path_{speed:g}'], label=f'{speed:g} m/s, '
-                    f'{inputs["end_s"][-1]:.1f} s', **style)
-        draw_inputs(below, inputs,
-                    **{**plot_style.series(index), 'linewidth': style['linewidth']})
-    above.legend(loc='upper left')
+        path, inputs = outcome.tables[f'path_{speed:g}'], outcome.tables[f'inputs_{speed:g}']
+        style = plot_style.series(index)
+        draw_center(panels['A'], path, **style)
+        if index:
+            draw_difference(panels['D'], path, slowest, **style)
+        draw_inputs(panels['B'], inputs, label=f'{speed:g} m/s, {inputs["end_s"][-1]:.1f} s',
+                    **style)
+    panels['D'].set_ylim(bottom=0.0)
+    panels['D'].set_title(f'against {values.speeds[0]:g} m/s', loc='left')
+    panels['B'].legend(loc='lower right')
 
 
 STUDIES = (Study(
@@ -82,4 +78,4 @@ STUDIES = (Study(
     'From the lowest to the highest speed the distance grows by {growth:.1f}%; the duration falls '
     'from {slowest:.1f} to {fastest:.1f} s. Inputs differ by {angle_middle:.2f} rad, at the '
     'highest speed by {angle_fastest:.2f} rad.',
-    'Inertia demands larger angles for the same path, to within {deviation:.0f} cm.', (6.4, 5.2)),)
+    'Inertia demands larger angles for the same path, to within {deviation:.0f} cm.', (7.6, 5.0)),)

@@ -12,7 +12,7 @@ from studies.framework.study import Table
 
 PERCENT = 100.0
 MILLIMETRES = 1000.0
-MARKERS = ('o', 's', '^')
+MARKERS = ('o', 's', '^', 'D')
 LABEL = 'position error at the goal [mm]'
 
 

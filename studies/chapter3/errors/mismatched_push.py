@@ -22,13 +22,19 @@ PARAMETERS = (*SETUP, SEGMENTS,
               Parameter('errors', '', 'errors, relative to the nominal value'),
               Parameter('speeds', 'm/s', 'speeds of the contact'),
               Parameter('open_loop_speed', 'm/s', 'speed of the open-loop robots'),
-              Parameter('robot_radius', 'm', 'radius of the wide robot'))
+              Parameter('symmetrical_goal', 'm, m, rad', 'goal with the heading of the start, '
+                        'which a bend to each side leads to'),
+              Parameter('robot_radius', 'm', 'radius of the wide robot'),
+              Parameter('wide_goal', 'm, m, rad', 'goal of the wide robot, which does not reach '
+                        'the others'))
 # The point senses the contact normal and keeps its pushing angles to it; the open-loop robots
 # move as if the plan came true.
 SENSING_POINT = 'sensing point'
+SYMMETRICAL = 'sensing point, symmetrical goal'
 OPEN_LOOP_POINT = 'open-loop point'
 OPEN_LOOP_WIDE = 'open-loop wide robot'
-ROBOTS = (SENSING_POINT, OPEN_LOOP_POINT, OPEN_LOOP_WIDE)
+ROBOTS = (SENSING_POINT, SYMMETRICAL, OPEN_LOOP_POINT, OPEN_LOOP_WIDE)
+SENSING = (SENSING_POINT, SYMMETRICAL)
 # Column of a record -> field of ``Rollout``.
 RECORD_FIELDS = {'position_error_m': 'position_error', 'heading_error_rad': 'heading_error',
                  'friction_usage': 'friction_usage'}
@@ -48,6 +54,8 @@ class MismatchedPush:
     :param cone_margin: fraction of the friction angle that the plan may use.
     :param segments: number of constant pushing angles.
     :param robot_radius: of the wide robot [m].
+    :param symmetrical_goal: of ``SYMMETRICAL``, likewise.
+    :param wide_goal: of ``OPEN_LOOP_WIDE``, likewise.
     """
 
     object: PushedObject
@@ -55,6 +63,8 @@ class MismatchedPush:
     cone_margin: float
     segments: int
     robot_radius: float
+    symmetrical_goal: tuple[float, float, float]
+    wide_goal: tuple[float, float, float]
 
     @classmethod
     def of(cls, values: Values) -> 'MismatchedPush':
@@ -66,9 +76,9 @@ class MismatchedPush:
         """
         supports = tuple(Support(values.support_spread * x, values.support_spread * y,
                                  values.friction_coefficient) for x, y in box(values).outline)
-        x, y, theta = values.goal
-        return cls(box(values, supports=supports), (x, y, theta), values.cone_margin,
-                   int(values.segments), values.robot_radius)
+        return cls(box(values, supports=supports), tuple(values.goal), values.cone_margin,
+                   int(values.segments), values.robot_radius, tuple(values.symmetrical_goal),
+                   tuple(values.wide_goal))
 
     def __call__(self, job: dict[str, Any]) -> Record:
         """
@@ -79,7 +89,7 @@ class MismatchedPush:
         """
         true = true_push(self.object, job['kind'], job['error'])
         executed = rollout(self.plan(job['speed'], job['robot']), true.obj, true.speed_scale,
-                           open_loop=job['robot'] != SENSING_POINT)
+                           open_loop=job['robot'] not in SENSING)
         return {name: float(getattr(executed, field)) for name, field in RECORD_FIELDS.items()}
 
     def plan(self, speed: float, robot: str) -> Plan:
@@ -90,8 +100,11 @@ class MismatchedPush:
         :param robot: one of ``ROBOTS``.
         :return: the plan.
         """
+        goal = {SYMMETRICAL: self.symmetrical_goal, OPEN_LOOP_WIDE: self.wide_goal}.get(
+            robot, self.goal)
         radius = self.robot_radius if robot == OPEN_LOOP_WIDE else 0.0
-        return _plan(push_problem(self, speed, self.segments, radius=radius, obj=self.object))
+        return _plan(push_problem(dataclasses.replace(self, goal=goal), speed, self.segments,
+                                  radius=radius, obj=self.object))
 
 
 # Many errors are executed with one plan. Chosen: more than the speeds and robots of a study.
@@ -106,7 +119,7 @@ def error_table(values: Values, run_jobs: RunJobs, kinds: Sequence[str],
     :param values: with the parameters ``PARAMETERS``.
     :param run_jobs: of the study.
     :param kinds: of the errors.
-    :param robots: some of ``ROBOTS``; the open-loop ones push at one speed only.
+    :param robots: some of ``ROBOTS``; ``SENSING_POINT`` pushes at all speeds, others at one.
     :return: table with the columns ``JOB_COLUMNS`` and ``RECORD_FIELDS``.
     """
     errors = sorted({0.0, *values.errors})

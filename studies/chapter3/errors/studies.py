@@ -8,7 +8,8 @@ from matplotlib.figure import Figure
 from studies.chapter3.errors import error_figure
 from studies.chapter3.errors.mismatch_rollout import rollout
 from studies.chapter3.errors.mismatched_push import (
-    error_table, MismatchedPush, OPEN_LOOP_POINT, OPEN_LOOP_WIDE, PARAMETERS, SENSING_POINT, worst,
+    error_table, MismatchedPush, OPEN_LOOP_POINT, OPEN_LOOP_WIDE, PARAMETERS, SENSING_POINT,
+    SYMMETRICAL, worst,
 )
 from studies.chapter3.errors.true_object import true_push
 from studies.framework.parameters import Values
@@ -43,8 +44,8 @@ def findings(table: Table, kind: str, values: Values) -> Findings:
         results[name] = _in_millimetres(
             worst(table, [most], kind=kind, robot=SENSING_POINT, speed_m_s=speed),
             f'largest position error of the point for {most:.0%} at {speed:g} m/s')
-    for name, robot in (('sensing', SENSING_POINT), ('open_loop', OPEN_LOOP_POINT),
-                        ('wide', OPEN_LOOP_WIDE)):
+    for name, robot in (('sensing', SENSING_POINT), ('symmetrical', SYMMETRICAL),
+                        ('open_loop', OPEN_LOOP_POINT), ('wide', OPEN_LOOP_WIDE)):
         rows = {'kind': kind, 'robot': robot, 'speed_m_s': values.open_loop_speed}
         results[name] = _in_millimetres(
             worst(table, [least], **rows),
@@ -143,13 +144,15 @@ STUDIES = (
     _study(Mismatch('T3.2', 'speed', 'the pushing velocity',
                     'error of the pushing velocity [%]'),
            'At a speed {most:.0%} off a plan for {high} m/s misses the goal by up to {fast:.0f} '
-           'mm, one for {low} m/s by {slow:.1f} mm.',
-           'Friction has the same effect at any speed; only inertia grows.'),
+           'mm, one for {low} m/s by {slow:.1f} mm. For {least:.0%} at {middle} m/s it is '
+           '{sensing:.1f} mm, to the symmetrical goal {symmetrical:.1f} mm.',
+           'Friction has the same effect at any speed; only inertia grows. Opposite bends undo '
+           'most of the rotation.'),
     _study(Mismatch('T3.3', 'friction', 'the friction under the box',
                     'error of the friction [%]', (), _same_as_speed),
            'Friction that is {most:.0%} wrong costs {fast:.0f} mm at {high} m/s and {slow:.1f} mm '
            'at {low} m/s. At {middle} m/s an open-loop point misses by {open_loop:.0f} mm for '
-           '{least:.0%}, an open-loop wide robot by {wide:.1f} mm.',
+           '{least:.0%}, an open-loop wide robot its own goal by {wide:.1f} mm.',
            'Multiplying friction by k equals dividing the speed by the root of k, to '
            '{law:.3f} mm.'),
     _study(Mismatch('T3.4', 'mass', 'the mass', 'error of the mass [%]', ('load',), _load),
@@ -165,11 +168,12 @@ STUDIES = (
                     'support points further apart [%]', ('supports_ahead', 'supports_aside'),
                     _moved_supports),
            'Support points {most:.0%} further apart or closer cost {slow:.0f} mm at {low} m/s and '
-           '{fast:.0f} mm at {high} m/s; moved ahead {ahead:.0f} mm, to the side {aside:.2f} mm.',
+           '{fast:.0f} mm at {high} m/s; moved ahead {ahead:.0f} mm, to the side {aside:.1f} mm.',
            'Their spread along the push determines how much the box rotates.'),
     _study(Mismatch('T3.7', 'imbalance', 'the centre of friction (rough on the left, smooth on '
                     'the right)', 'more friction left, less right [%]', ('mass',), _against_mass),
            '{least:.0%} more friction on the left and less on the right moves the centre of '
            'friction by {shift:.0f} mm. At {middle} m/s a sensing point misses by {sensing:.0f} '
-           'mm, an open-loop wide robot by {wide:.0f} mm; an open-loop point loses the box.',
+           'mm, to the symmetrical goal by {symmetrical:.0f} mm. An open-loop wide robot misses '
+           'its own goal by {wide:.0f} mm; an open-loop point loses the box.',
            'That is at least {ratio:.0f} times the effect of {most:.0%} of mass.'))
