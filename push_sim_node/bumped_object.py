@@ -9,15 +9,15 @@ import functools
 import math
 from typing import NamedTuple
 
-from push_model.contact import contact_point, find_contact
+from push_model.contact import contact_point, face_normal, find_contact
 from push_model.friction import ellipsoid_c_squared, friction_center
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject
 
 
-# Overlap that is none, rounding [m]; and corners that push an object in one step, chosen: two of a
-# face, twice.
-TOUCHING, MAX_CORNERS = 1e-6, 4
+# Overlap that is none, rounding [m]; and contacts that push an object in one step, chosen: both
+# corners of a face, twice.
+TOUCHING, MAX_CONTACTS = 1e-6, 4
 
 
 class PlacedObject(NamedTuple):
@@ -72,10 +72,10 @@ def displaced_pose(item: PlacedObject, body: PlacedObject | PlacedDisc) -> Pose:
     :param body: what has moved into it.
     :return: its ``Pose``; the same where they do not overlap.
     """
-    for _ in range(MAX_CORNERS):
+    for _ in range(MAX_CONTACTS):
         if _is_far(item, body):
             break
-        overlap = _deepest(item, body)
+        overlap = _overlap(item, body)
         if overlap.depth <= TOUCHING:
             break
         item = item._replace(pose=_moved_out(item, overlap))
@@ -108,28 +108,37 @@ def _outer_radius(obj: PushedObject) -> float:
     return max((math.hypot(*corner) for corner in obj.outline), default=obj.radius)
 
 
-def _deepest(item: PlacedObject, body: PlacedObject | PlacedDisc) -> _Overlap:
-    """Find the deepest overlap: of two convex outlines it is at a corner, or at a disc."""
+def _overlap(item: PlacedObject, body: PlacedObject | PlacedDisc) -> _Overlap:
+    """Find the shortest way of an object out of a body."""
     if isinstance(body, PlacedDisc):
-        return _into(item, body)
-    overlaps = [_into(item, disc) for disc in _tips(body)]
-    for disc in _tips(item):
-        contact = find_contact(body.obj, body.pose, (disc.x, disc.y), disc.radius)
-        point = (disc.x + disc.radius * math.cos(contact.gamma),
-                 disc.y + disc.radius * math.sin(contact.gamma))
-        overlaps.append(_Overlap(-contact.gap, point, contact.gamma + math.pi))
-    return max(overlaps, key=lambda overlap: overlap.depth)
-
-
-def _tips(body: PlacedObject) -> list[PlacedDisc]:
-    """List the corners of a body, or the disc that it is."""
+        return _with_disc(item, body)
     if not body.obj.outline:
-        return [PlacedDisc(body.pose.x, body.pose.y, body.obj.radius)]
-    return [PlacedDisc(*body.pose.transform(corner), 0.0) for corner in body.obj.outline]
+        return _with_disc(item, PlacedDisc(body.pose.x, body.pose.y, body.obj.radius))
+    if not item.obj.outline:
+        overlap = _with_disc(body, PlacedDisc(item.pose.x, item.pose.y, item.obj.radius))
+        return overlap._replace(direction=overlap.direction + math.pi)
+    through_body = _through_face(body, item)
+    through_body = through_body._replace(direction=through_body.direction + math.pi)
+    return min(_through_face(item, body), through_body, key=lambda overlap: overlap.depth)
 
 
-def _into(item: PlacedObject, disc: PlacedDisc) -> _Overlap:
+def _with_disc(item: PlacedObject, disc: PlacedDisc) -> _Overlap:
     """Find how deep a disc is in an object."""
     contact = find_contact(item.obj, item.pose, (disc.x, disc.y), disc.radius)
     point = item.pose.transform(contact_point(item.obj, contact.contact))
     return _Overlap(-contact.gap, (float(point[0]), float(point[1])), contact.gamma)
+
+
+def _through_face(item: PlacedObject, body: PlacedObject) -> _Overlap:
+    """Find the face of an object through which a corner of another is least deep in it."""
+    outline, to_item = item.obj.outline, item.pose.inverse() @ body.pose
+    corners = [to_item.transform(corner) for corner in body.obj.outline]
+    overlaps: list[_Overlap] = []
+    for face, (x, y) in enumerate(outline):
+        normal = face_normal(item.obj, face)
+        c, s = math.cos(normal), math.sin(normal)
+        depth, corner = max((c * (u - x) + s * (v - y), (u, v)) for u, v in corners)
+        point = item.pose.transform(corner)
+        overlaps.append(_Overlap(depth, (float(point[0]), float(point[1])),
+                                 item.pose.theta + normal))
+    return min(overlaps, key=lambda overlap: overlap.depth)

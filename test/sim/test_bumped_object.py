@@ -50,6 +50,15 @@ def test_what_nothing_touches_stays() -> None:
     assert displaced_pose(item, PlacedDisc(0.9, -0.2, 0.17)) == STANDING
 
 
+def test_both_corners_of_a_face_push() -> None:
+    """A box flush with another is clear of it, and hardly rotated."""
+    item = PlacedObject(KINDS['box'], Pose(0.0, 0.0, 0.0))
+    body = PlacedObject(KINDS['box'], Pose(DEPTH - 0.4, 0.0, 0.0))
+    pose = displaced_pose(item, body)
+    assert object_gap(item.obj, pose, body.obj, body.pose) > -1e-5
+    assert abs(pose.theta) < 0.5 * DEPTH / 0.4
+
+
 def test_a_force_through_the_centre_of_friction_turns_nothing() -> None:
     """One beside it turns the object about the side on which it pushes."""
     item = PlacedObject(KINDS['box'], Pose(0.0, 0.0, 0.0))
