@@ -2,7 +2,8 @@
 Feasibility checks: what can be refused before anything is solved, each with its reason.
 
 A refusal names the least change that would do: in its sentence, and as a number of its report.
-``turn`` is that of the robot's heading [rad], ``shift`` that of the contact along its face [m],
+``turn`` is that of the robot's heading [rad], ``normal`` that of contact normal and heading as
+the robot moves round a vertex [rad], ``shift`` that of the contact along its face [m],
 ``contact_friction`` and ``pushing_speed`` are the values needed, and ``rotation`` is what the goal
 needs beside its own [rad].
 """
@@ -171,11 +172,14 @@ def _check_steering(problem: PushProblem) -> None:
         return
     low, high = recoverable_offsets(problem)
     if limit == 'cone' and not low <= offset <= high:
+        change = max(low - offset, min(0.0, high - offset))
+        side = 'left' if change > 0.0 else 'right'
         raise PlanningFailed(
             PlanFailure.JACKKNIFED, 'the contact would jackknife: its normal is '
             f'{math.degrees(offset):.1f} deg off the direction to the centre of friction, and a '
             f'differential drive recovers from {math.degrees(low):.1f} to '
-            f'{math.degrees(high):.1f} deg')
+            f'{math.degrees(high):.1f} deg; turned by {math.degrees(abs(change)):.1f} deg to the '
+            f'{side} about the vertex it could', {'normal': change})
 
 
 def _check_rotation(problem: PushProblem) -> None:

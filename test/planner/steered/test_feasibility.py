@@ -142,6 +142,10 @@ def _turned(problem: PushProblem, turn: float) -> PushProblem:
     return dataclasses.replace(problem, heading=problem.heading + turn)
 
 
+def _moved_round(problem: PushProblem, change: float) -> PushProblem:
+    return dataclasses.replace(_turned(problem, change), normal=problem.normal + change)
+
+
 def _shifted(problem: PushProblem, shift: float) -> PushProblem:
     offset = problem.contact.offset
     return dataclasses.replace(problem, contact=dataclasses.replace(
@@ -165,6 +169,8 @@ def _slowed(problem: PushProblem, speed: float) -> PushProblem:
 @pytest.mark.parametrize('problem, name, change', [
     (vertex_problem(AHEAD, heading=2.0), 'turn', _turned),
     (vertex_problem(AHEAD, heading=-0.3), 'turn', _turned),
+    (vertex_problem(AHEAD, normal=0.5, heading=0.5), 'normal', _moved_round),
+    (vertex_problem(AHEAD, normal=-0.5, heading=-0.45), 'normal', _moved_round),
     (face_problem(AHEAD, offset=0.1), 'shift', _shifted),
     (face_problem(AHEAD, offset=-0.1), 'shift', _shifted),
     (face_problem(AHEAD, offset=0.05), 'contact_friction', _gripped),
