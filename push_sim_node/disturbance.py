@@ -8,6 +8,8 @@ from push_model.quantity import check, MAX_ANGLE, quantity
 
 # In place of the number of a support.
 ALL_SUPPORTS = -1
+# Times of a simulation are whole nanoseconds: so many in a second.
+NANOSECONDS = 1_000_000_000
 
 
 @dataclasses.dataclass(frozen=True)
@@ -56,17 +58,19 @@ def friction_factors(changes: Sequence[FrictionChange], time: float,
     Compute the factor on the friction of every support; changes that overlap multiply.
 
     :param changes: ``FrictionChange`` sequence.
-    :param time: now [s]; a change includes its start but not its end.
+    :param time: now [s]; a change includes its start but not its end, both in whole nanoseconds,
+        as the times of a simulation.
     :param count: number of supports.
     :return: tuple of ``count`` factors.
     :raises ValueError: where a change names a support that does not exist.
     """
     factors = [1.0] * count
+    now = round(NANOSECONDS * time)
     for change in changes:
         if change.support >= count:
             raise ValueError(f'FrictionChange.support: got {change.support}, expected -1 to '
                              f'{count - 1}')
-        if change.start <= time < change.end:
+        if round(NANOSECONDS * change.start) <= now < round(NANOSECONDS * change.end):
             for i in range(count):
                 if change.support in (ALL_SUPPORTS, i):
                     factors[i] *= change.factor

@@ -14,7 +14,8 @@ from push_model.odometry_history import OdometryHistory
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import LidarScan, ObjectPose, Odometry, STOP, Twist
 from push_sim_node.camera import Camera, mirrored_tilt, relative_pose
-from push_sim_node.disturbance import change_times, friction_factors, ObjectDisplacement
+from push_sim_node.disturbance import (
+    change_times, friction_factors, NANOSECONDS, ObjectDisplacement)
 from push_sim_node.lidar import BodyPoses, Lidar
 from push_sim_node.plant import Plant
 from push_sim_node.sensors import OdometrySensor, SensorSettings, Sighting
@@ -27,8 +28,6 @@ from push_sim_node.truth import Truth
 Measurement: TypeAlias = Odometry | ObjectPose | LidarScan
 # Number of the random stream of the lidar, beside those of a spawned seed.
 LIDAR_STREAM = 1
-# Nanoseconds per second.
-NANOSECONDS = 1_000_000_000
 
 
 class _EventKind(enum.IntEnum):

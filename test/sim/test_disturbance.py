@@ -53,6 +53,14 @@ def test_friction_changes_multiply_and_end():
     assert friction_factors(changes, 4.0, 2) == (1.0, 1.0)
 
 
+@pytest.mark.parametrize('shift', [-4e-10, -1e-10, 1e-10, 4e-10])
+def test_friction_changes_between_two_nanoseconds_act_and_end(shift: float) -> None:
+    """As those a billionth of a second later or earlier, which are times of the simulation."""
+    changes = [FrictionChange(0.6 + shift, 1.1 + shift, 0.5)]
+    exact = pushed([FrictionChange(0.6, 1.1, 0.5)], 1.4)
+    assert column(pushed(changes, 1.4), 'force_n') == pytest.approx(column(exact, 'force_n'))
+
+
 def test_malformed_friction_changes_are_refused():
     with pytest.raises(ValueError, match='FrictionChange.end'):
         FrictionChange(2.0, 1.0, 0.5)
