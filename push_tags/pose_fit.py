@@ -4,12 +4,17 @@ Pose of an object from the corners of its tags: least squares of reprojection.
 With the corners m_i on the object, their pixels z_i, and the pose (t, R) of the object in the
 frame of the floor,
 
-    min  sum_i |z_i - project(R m_i + t)|^2 / sigma^2 + t_z^2 / h^2 + (n_x^2 + n_y^2) / tau^2
+    min  sum_i |z_i - project(R m_i + t)|^2 / sigma^2 + e_z^2 / h^2 + (n_x^2 + n_y^2) / tau^2
 
-where n is the z axis of the object. The last terms say that it stands on the floor: h and tau are
-the standard deviations of its height and of its tilt against the floor, which hold the errors of
-the mounting of the camera, too. Steps are those of Levenberg and Marquardt, along (t, omega) with
-dR = omega x R. At the minimum the covariance is (J' J)^-1, of which x, y and yaw are taken.
+where n is the z axis of the object. The last terms say that it stands on the floor. That it seems
+to be tilted, is the tilt d = (-n_y, n_x, 0) of the camera, which also moves what is seen about the
+lens at l. The rest of its height, and where it stands, are
+
+    e = t - d x (t - l)
+
+h and tau are the standard deviations of height and tilt. Steps are those of Levenberg and
+Marquardt, along (t, omega) with dR = omega x R. At the minimum the covariance of a step is
+(J' J)^-1, of which that of e_x, e_y and yaw is made.
 """
 
 from typing import NamedTuple
@@ -29,8 +34,8 @@ DAMPING, DAMPING_FACTOR = 1e-3, 5.0
 MAX_DAMPING = 1e6
 # Least depth of a corner [m]; chosen: nearer than any lens sees sharp.
 MIN_DEPTH = 0.01
-# x, y and yaw among the steps.
-PLANAR = (0, 1, 5)
+# Yaw among the steps.
+YAW = np.array((0.0, 0.0, 0.0, 0.0, 0.0, 1.0))
 
 
 class CornerPixels(NamedTuple):
@@ -113,9 +118,29 @@ def fit_pose(start: Pose, corners: CornerPixels, view: View,
         pose, current, damping = next_pose, following, damping / DAMPING_FACTOR
         if decrease <= TOLERANCE * (1.0 + current.cost):
             break
-    covariance = np.asarray(np.linalg.inv(current.jacobian.T @ current.jacobian),
-                            dtype=np.float64)
-    return PoseFit(pose.planar, covariance[np.ix_(PLANAR, PLANAR)], current.cost)
+    standing, gradient = _standing(pose, view)
+    x, y, _ = standing.tolist()
+    planar = np.stack((gradient[0], gradient[1], YAW))
+    covariance = np.asarray(planar @ np.linalg.inv(current.jacobian.T @ current.jacobian)
+                            @ planar.T, dtype=np.float64)
+    return PoseFit(pose.planar._replace(x=x, y=y), covariance, current.cost)
+
+
+def _standing(pose: RigidTransform, view: View) -> tuple[FloatArray, FloatArray]:
+    """Return where the object stands, e, and the derivative with respect to a step, (3, 6)."""
+    n_x, n_y, n_z = pose.rotation_matrix[:, 2].tolist()
+    tilt = np.array((-n_y, n_x, 0.0))
+    arm = np.array(pose[:3]) - view.optical_pose[:3]
+    # dn = omega x n.
+    tilt_gradient = np.array(((n_z, 0.0, -n_x), (0.0, n_z, -n_y), (0.0, 0.0, 0.0)))
+    return (np.asarray(pose[:3] - np.cross(tilt, arm), dtype=np.float64),
+            np.hstack((np.eye(3) - _cross(tilt), _cross(arm) @ tilt_gradient)))
+
+
+def _cross(vector: FloatArray) -> FloatArray:
+    """Return the matrix that takes the cross product of a vector with what it multiplies."""
+    x, y, z = vector.tolist()
+    return np.array(((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)))
 
 
 def _linearize(pose: RigidTransform, corners: CornerPixels, view: View,
@@ -135,11 +160,12 @@ def _linearize(pose: RigidTransform, corners: CornerPixels, view: View,
     jacobian = np.concatenate((gradient, gradient @ np.swapaxes(turns, 1, 2)), axis=2)
     n_x, n_y, n_z = rotation[:, 2].tolist()
     height, tilt = settings.height_deviation, settings.tilt_deviation
-    priors = np.array([(0.0, 0.0, 1.0 / height, 0.0, 0.0, 0.0),
+    standing, gradient_of_standing = _standing(pose, view)
+    priors = np.array([gradient_of_standing[2] / height,
                        (0.0, 0.0, 0.0, 0.0, n_z / tilt, -n_y / tilt),
                        (0.0, 0.0, 0.0, -n_z / tilt, 0.0, n_x / tilt)])
     return _Linearization(
-        np.concatenate((residual.ravel(), (pose.z / height, n_x / tilt, n_y / tilt))),
+        np.concatenate((residual.ravel(), (standing[2] / height, n_x / tilt, n_y / tilt))),
         np.concatenate((jacobian.reshape(-1, 6), priors)))
 
 

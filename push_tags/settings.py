@@ -12,7 +12,7 @@ class DetectorSettings:
     corner_noise: float = quantity('std of a corner, per axis', 'pixel', 0.01, 10.0, default=0.12)
     height_deviation: float = quantity('std of the height of object over lens', 'm', 1e-5, 0.5,
                                        default=0.003)
-    tilt_deviation: float = quantity('std of the tilt of object against camera mounting', 'rad',
+    tilt_deviation: float = quantity('std of the tilt of the camera against its mounting', 'rad',
                                      1e-5, 0.5, default=0.005)
     max_residual: float = quantity('root of the mean squared residual, over its std, above which '
                                    'tags contradict each other', '', 1.0, 100.0, default=4.0)

@@ -67,6 +67,23 @@ def test_the_stated_covariance_is_that_of_the_errors(layout) -> None:
     assert 90 <= inside <= 99
 
 
+def test_a_camera_that_is_mounted_amiss_errs_as_stated() -> None:
+    """By as much as the settings say: its tilt moves the object by its height times that."""
+    rng = np.random.default_rng(11)
+    squares: list[float] = []
+    for _ in range(60):
+        roll, pitch = SETTINGS.tilt_deviation * rng.standard_normal(2)
+        lens = 0.1, 0.0, 0.25 + SETTINGS.height_deviation * rng.standard_normal()
+        amiss = View(CAMERA, RigidTransform.from_angles(lens, (roll, pitch, 0.0))
+                     @ CameraMounting(pitch=0.1).optical_pose)
+        pose = Pose(0.7, 0.1, float(rng.uniform(-3.0, 3.0)))
+        seen = see(pose, amiss, noise=SETTINGS.corner_noise, rng=rng)
+        estimate = locate(seen).object_pose
+        error = np.subtract(estimate.pose, pose)
+        squares.append(float(error @ np.linalg.solve(estimate.covariance.matrix, error)) / 3.0)
+    assert 0.7 < math.sqrt(np.mean(squares)) < 1.3
+
+
 def test_a_rotation_of_the_world_rotates_pose_and_covariance() -> None:
     turn = Pose(0.0, 0.0, 2.0)
     turned = View(CAMERA, RigidTransform.from_angles((0.0, 0.0, 0.0), (0.0, 0.0, turn.theta))
