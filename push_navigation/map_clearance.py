@@ -106,6 +106,7 @@ class Shortfall(NamedTuple):
     :param required: clearance that the robot's centre needs there [m].
     :param deviation: standard deviation of the robot's position there [m].
     :param ellipse: ``PositionEllipse`` of the robot there.
+    :param way: the path, as points (x, y), shape (n, 2) [m].
     """
 
     x: float
@@ -114,6 +115,7 @@ class Shortfall(NamedTuple):
     required: float
     deviation: float
     ellipse: PositionEllipse
+    way: FloatArray
 
 
 class MapClearance(NamedTuple):
@@ -191,7 +193,7 @@ class MapClearance(NamedTuple):
         ellipse = self._ellipse(_levers(points, lengths)[worst], float(away[worst]))
         return Shortfall(float(points[worst, 0]), float(points[worst, 1]),
                          float(clearances[worst]), float(required[worst]),
-                         float(deviations[worst]), ellipse)
+                         float(deviations[worst]), ellipse, points)
 
     def _ellipse(self, lever: FloatArray, away: float) -> PositionEllipse:
         """

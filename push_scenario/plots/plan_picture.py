@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from push_model.geometry import Pose
 from push_model.parameters import PushedObject
 from push_planner.planned_pushes import PlannedPush
-from push_planner.refusal_marks import FaceMark, NarrowPlace, RefusalMarks
+from push_planner.refusal_marks import FaceMark, NarrowPlace, NO_MARKS, RefusalMarks
 from push_scenario.definition.scenario import Scenario
 from push_scenario.first_plan import FirstPlan
 from push_scenario.plots.drawing import (
@@ -76,7 +76,7 @@ def draw_plan_picture(scenario: Scenario, plan: FirstPlan, path: str | PathLike[
     draw_pushes(axes, request.obj, radius, plan.pushes)
     if _leads_to_open_floor(plan):
         axes.plot(*zip(plan.pushes[-1].end[:2], request.goal[:2]), **OPEN_FLOOR_STYLE, zorder=5)
-    marks = RefusalMarks() if plan.refusal is None else plan.refusal.marks
+    marks = NO_MARKS if plan.refusal is None else plan.refusal.marks
     width, height = _set_view(axes, scenario, plan)
     draw_refusal(axes, request.obj, radius, marks)
     title, color = _title(scenario, plan)
@@ -115,6 +115,8 @@ def draw_refusal(axes: Axes, obj: PushedObject, radius: float, marks: RefusalMar
     :param axes: matplotlib axes.
     :param radius: of the robot [m].
     """
+    if marks.way:
+        axes.plot(*zip(*marks.way), **_approach_style(UNCERTAIN), zorder=8)
     if marks.narrow_place is not None:
         _draw_narrow_place(axes, marks.narrow_place)
     for face in marks.faces:
@@ -202,6 +204,9 @@ def _legend(plan: FirstPlan, marks: RefusalMarks) -> list[Any]:
 def refusal_legend(marks: RefusalMarks) -> list[Any]:
     """List the entries of a legend for the marks of a refusal."""
     handles: list[Any] = []
+    if marks.way:
+        handles.append(Line2D([], [], label='way that the robot may not go',
+                              **_approach_style(UNCERTAIN)))
     place = marks.narrow_place
     if place is not None:
         handles.append(Patch(label='free floor', **FREE_STYLE))
@@ -231,8 +236,10 @@ def _set_view(axes: Axes, scenario: Scenario, plan: FirstPlan) -> tuple[float, f
     points = [outline(request.obj, pose) for pose in poses]
     points += [_points_of(push) for push in plan.pushes]
     points.append(_around(request.robot_pose, radius))
-    if plan.refusal is not None and plan.refusal.marks.narrow_place is not None:
-        place = plan.refusal.marks.narrow_place
+    marks = NO_MARKS if plan.refusal is None else plan.refusal.marks
+    points.append(np.reshape(np.array(marks.way), (-1, 2)))
+    if marks.narrow_place is not None:
+        place = marks.narrow_place
         points.append(_around(place, 0.5 * (place.needed_width or place.width)))
     shown = np.concatenate(points)
     low, high = shown.min(axis=0) - MARGIN, shown.max(axis=0) + MARGIN

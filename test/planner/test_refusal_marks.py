@@ -19,7 +19,7 @@ ROBOT, BOX = RoundRobot(0.17, 'differential'), box()
 MARKS = RefusalMarks(
     NarrowPlace(1.25, -0.5, 0.625, 1.5, PositionEllipse(0.25, 0.0625, -2.5)),
     (FaceMark(0.5, -1.0, True), FaceMark(-0.5, 1.5, False)),
-    Pose(1.0, 2.0, -0.25), Pose(-3.0, 0.5, 1.5))
+    Pose(1.0, 2.0, -0.25), Pose(-3.0, 0.5, 1.5), ((0.0, -0.5), (1.25, -0.5), (2.0, 0.25)))
 
 
 @pytest.mark.parametrize('marks', [

@@ -21,7 +21,7 @@ from push_scenario.first_plan import find_first_plan
 from push_scenario.plots.drawing import outline
 from push_scenario.plots.figure import _scene
 from push_scenario.plots.plan_picture import (
-    draw_plan_picture, draw_pushes, draw_refusal, ELLIPSE_SIGMAS)
+    draw_plan_picture, draw_pushes, draw_refusal, ELLIPSE_SIGMAS, refusal_legend)
 from push_scenario.simulation.result import Outcome, TimedRefusal
 import pytest
 
@@ -61,6 +61,17 @@ def test_a_narrow_place_is_as_wide_as_it_is() -> None:
         (2.0 * ELLIPSE_SIGMAS * 0.2, 2.0 * ELLIPSE_SIGMAS * 0.05))
     text, = axes.texts
     assert '0.50 m' in text.get_text() and '0.80 m' in text.get_text()
+
+
+def test_the_way_that_is_refused_is_drawn_and_explained() -> None:
+    """All of it, and only where there is one."""
+    way = (0.0, 0.0), (1.0, -2.0), (2.0, -2.5)
+    axes = Figure().add_subplot()
+    draw_refusal(axes, BOX, RADIUS, RefusalMarks(PLACE, way=way))
+    line, = axes.lines
+    assert line.get_xydata() == pytest.approx(np.array(way))
+    with_way, without = (refusal_legend(RefusalMarks(PLACE, way=points)) for points in (way, ()))
+    assert len(with_way) == len(without) + 1
 
 
 def test_faces_without_room_are_crossed_out() -> None:

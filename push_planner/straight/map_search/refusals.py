@@ -5,7 +5,7 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
-from push_model.geometry import distance, Pose, wrap_angle
+from push_model.geometry import distance, FloatArray, Pose, wrap_angle
 from push_model.plan_request import PlanFailure
 from push_navigation.occupancy_map import OccupancyMap
 from push_planner.problem import PlanningFailed
@@ -22,6 +22,8 @@ SHUT_IN_DISTANCE = 1.0
 # Distance from its goal up to which a refusal says how far the object is off [m]; chosen: what the
 # last pushes of a task bring it.
 NEAR_GOAL = 0.1
+# Points of a way that are shown, at most; chosen: bends round furniture are seen.
+MAX_WAY_POINTS = 40
 END_CODES = {SearchEnd.EXHAUSTED: PlanFailure.BLOCKED, SearchEnd.LIMIT: PlanFailure.SEARCH_LIMIT}
 
 
@@ -85,7 +87,8 @@ class Refusals(NamedTuple):
             f'{width:.2f} m are free, its standard deviation is {worst.deviation:.2f} m, so that '
             f'it needs {needed:.2f} m',
             {'position_deviation': worst.deviation},
-            RefusalMarks(NarrowPlace(worst.x, worst.y, width, needed, worst.ellipse)))
+            RefusalMarks(NarrowPlace(worst.x, worst.y, width, needed, worst.ellipse),
+                         way=_thinned(worst.way)))
 
     def _roomiest_starts(self, pushes: Pushes) -> list[Pose]:
         """List the start with the most room at each face."""
@@ -162,6 +165,12 @@ class Refusals(NamedTuple):
     def _in_world(self, x: float, y: float) -> tuple[float, float]:
         (world_x, world_y), = self.occupancy_map.from_map([(x, y)]).tolist()
         return world_x, world_y
+
+
+def _thinned(points: FloatArray) -> tuple[tuple[float, float], ...]:
+    """Choose points of a way that show it, to the centimetre, which is read as text."""
+    chosen = np.linspace(0, len(points) - 1, min(len(points), MAX_WAY_POINTS)).round().astype(int)
+    return tuple((round(x, 2), round(y, 2)) for x, y in points[chosen].tolist())
 
 
 def _placed(pose: Pose, points: Any) -> Any:
