@@ -10,6 +10,7 @@ runs finish, and the same command resumes after Ctrl-C.
 
 import argparse
 import functools
+import itertools
 import json
 from pathlib import Path
 import sys
@@ -112,10 +113,10 @@ def report(samples: Samples) -> str:
     stated = statements(samples)
     goals = {title: [statement for statement in stated[group] if statement.sample.is_first]
              for group, title in TITLES.items()}
-    for scale in SCALES:
-        title = f'{TITLES[STEERED]}, {1e3 * scale * PUSH_TOLERANCES.position:g} mm'
-        narrow = {STEERED: [sample.with_tolerances(scale) for sample in samples[STEERED]]}
-        goals[title] = statements({**samples, **narrow})[STEERED]
+    for group, scale in itertools.product((STEERED, SPATIAL_STEERED), SCALES):
+        title = f'{TITLES[group]}, {1e3 * scale * PUSH_TOLERANCES.position:g} mm'
+        narrow = {group: [sample.with_tolerances(scale) for sample in samples[group]]}
+        goals[title] = statements({**samples, **narrow})[group]
     later = {title: [statement for statement in stated[group] if not statement.sample.is_first]
              for group, title in TITLES.items()}
     return fill_template(
