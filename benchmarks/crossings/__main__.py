@@ -22,15 +22,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--crossings', type=int, default=200)
     parser.add_argument('--tasks', type=int, default=30)
+    parser.add_argument('--first-seed', type=int, default=1, help='of the tasks with crossings')
     parser.add_argument('--unprotected', action='store_true')
     parser.add_argument('--scenario', default='task_lidar')
     options = parser.parse_args(arguments)
     is_protected = not options.unprotected
     crossings: list[Crossing] = []
-    seed, done = 0, 0
+    count = done = 0
     while len(crossings) < options.crossings:
-        seed += 1
-        result, walker = run(seed, is_protected=is_protected, scenario_name=options.scenario)
+        result, walker = run(options.first_seed + count, is_protected=is_protected,
+                             scenario_name=options.scenario)
+        count += 1
         crossings += walker.crossings
         done += result.outcome is Outcome.DONE
     touches = [crossing for crossing in crossings if crossing.gap <= 0.0]
@@ -38,7 +40,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     print(f'crossings: {len(crossings)}, touches: {len(touches)}, faster than '
           f'{MAX_TOUCH_SPEED:g} m/s: {len(fast)}, at most '
           f'{max((crossing.robot_speed for crossing in touches), default=0.0):.3f} m/s; '
-          f'done: {done} of {seed} tasks', flush=True)
+          f'done: {done} of {count} tasks', flush=True)
     stops = done = 0
     for seed in range(1, options.tasks + 1):
         result, walker = run(seed, walks=False, is_protected=is_protected,

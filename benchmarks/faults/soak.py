@@ -2,7 +2,9 @@
 Soak: many tasks in a row in one set of nodes, over DDS in lockstep.
 
 What a node takes must not grow with what it has done: memory, file descriptors, threads, CPU time
-and, as in lockstep time waits for answers, time on the wall for a second of simulated time.
+and, as in lockstep time waits for answers, time on the wall for a second of simulated time. The
+same goals come again and again. Times are divided by that of a fixed computation beside each task,
+as other processes slow a machine down.
 """
 
 from collections.abc import Sequence
@@ -36,6 +38,10 @@ import yaml
 SCENARIO = 'task_tap'
 # Goals are drawn around the origin, up to these distances [m, m, rad]; chosen: a tap or two each.
 GOAL_RANGE = 0.03, 0.03, 0.1
+# How many goals there are, which come in turns; chosen: some cycles in each part.
+GOAL_COUNT = 20
+# Additions of the fixed computation; chosen: some hundredths of a second.
+LOOP_COUNT = 400_000
 # Part of the tasks that counts as the beginning and as the end, after the first ones in which
 # caches are filled; chosen.
 PART = 0.25
@@ -71,6 +77,7 @@ class SoakTask(NamedTuple):
     :param wall_time: [s].
     :param nodes: ``Sample`` by name of the node.
     :param first: number of the task with which these nodes began; 0 unless it was interrupted.
+    :param reference: CPU time of the fixed computation after it [s].
     """
 
     is_done: bool
@@ -79,6 +86,7 @@ class SoakTask(NamedTuple):
     wall_time: float
     nodes: dict[str, Sample]
     first: int = 0
+    reference: float = 1.0
 
 
 class _Monitor:
@@ -118,7 +126,8 @@ def run_soak(count: int, path: Path, seed: int = 1) -> None:
     if first >= count:
         return
     scenario = place_robot(load_scenario(SCENARIO))
-    goals = np.random.default_rng(seed).uniform(-1.0, 1.0, (count, 3)) * GOAL_RANGE
+    goals = np.random.default_rng(seed).uniform(-1.0, 1.0, (GOAL_COUNT, 3)) * GOAL_RANGE
+    goals = np.resize(goals, (count, 3))
     monitor = _Monitor()
     with private_domain() as domain, tempfile.TemporaryDirectory() as folder, \
             NodeProcesses(domain, folder) as nodes:
@@ -162,7 +171,16 @@ def _do_task(goal: Pose, client: ReplayClient, monitor: _Monitor,
     return SoakTask(
         monitor.state is TaskState.DONE, monitor.reason, monitor.since - start,
         time.monotonic() - began,
-        {name: sample(nodes.pid(name), cpu) for name, cpu in before.items()})
+        {name: sample(nodes.pid(name), cpu) for name, cpu in before.items()},
+        reference=reference_time())
+
+
+def reference_time() -> float:
+    """Measure the CPU time of a fixed computation [s]."""
+    start, total = time.process_time(), 0
+    for i in range(LOOP_COUNT):
+        total += i
+    return time.process_time() - start
 
 
 def sample(pid: int, cpu_before: float) -> Sample:
@@ -209,16 +227,20 @@ def soak_table(tasks: Sequence[SoakTask]) -> str:
     """
     if not tasks:
         return 'Not measured.'
-    part = max(1, round(PART * len(tasks)))
+    size = max(1, round(PART * len(tasks)))
     first = round(WARM_UP * len(tasks))
-    early, end = tasks[first:first + part], tasks[-part:]
+    parts = early, end = tasks[first:first + size], tasks[-size:]
+    # Times as they would be if the fixed computation always took as long as at the beginning.
+    slowness = [1e3 * _mean_reference(part) / _mean_reference(early) for part in parts]
     lines = ['| | beginning | end | ratio |', '| --- | --- | --- | --- |',
+             _row('fixed computation [ms]', *(1e3 * _mean_reference(part) for part in parts)),
              _row('wall time per simulated second, all [ms]', *(
-                 1e3 * sum(task.wall_time for task in tasks) / sum(
-                     task.duration for task in tasks) for tasks in (early, end)))]
+                 1e6 * sum(task.wall_time for task in part) / sum(
+                     task.duration for task in part) / slow
+                 for part, slow in zip(parts, slowness)))]
     for name in tasks[0].nodes:
-        cpu = [1e3 * sum(task.nodes[name].cpu for task in tasks) / sum(
-            task.duration for task in tasks) for tasks in (early, end)]
+        cpu = [1e6 * sum(task.nodes[name].cpu for task in part) / sum(
+            task.duration for task in part) / slow for part, slow in zip(parts, slowness)]
         lines += [_row(f'`{name}`: memory [MB]', early[-1].nodes[name].memory,
                        end[-1].nodes[name].memory),
                   _row(f'`{name}`: CPU per simulated second [ms]', *cpu),
@@ -232,6 +254,10 @@ def soak_table(tasks: Sequence[SoakTask]) -> str:
     interrupted = f' Interrupted, the nodes began anew: {starts} sets.' if starts > 1 else ''
     return '\n'.join([f'{len(tasks)} tasks in a row, {simulated:.0f} s simulated: {done} done.'
                       + interrupted, '', *lines])
+
+
+def _mean_reference(tasks: Sequence[SoakTask]) -> float:
+    return sum(task.reference for task in tasks) / len(tasks)
 
 
 def _row(name: str, early: float, end: float) -> str:
