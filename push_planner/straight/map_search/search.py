@@ -195,8 +195,8 @@ class MapSearch:
         return float(least_gap(object_clearance(self._scene, *pose, ENOUGH)))
 
     def is_goal_enclosed(self, start: Pose, goal: Pose, margins: Margins) -> bool:
-        """Tell whether the goal is near, and no push leads back from it; not of a disc."""
-        return (distance(start, goal) < CAUTIOUS_RANGE and len(self._scene.vertices) > 0
+        """Tell whether the goal is near, and no push leads back from it."""
+        return (distance(start, goal) < CAUTIOUS_RANGE
                 and bool(is_dead_end(self._scene, self._pushes, margins.robot, goal)))
 
     def _result(self, problem: Problem, memory: Memory, end: int) -> SearchResult:
