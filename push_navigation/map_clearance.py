@@ -106,7 +106,7 @@ class Shortfall(NamedTuple):
     :param required: clearance that the robot's centre needs there [m].
     :param deviation: standard deviation of the robot's position there [m].
     :param ellipse: ``PositionEllipse`` of the robot there.
-    :param way: the path, as points (x, y), shape (n, 2) [m].
+    :param path: points (x, y) along it, shape (n, 2) [m].
     """
 
     x: float
@@ -115,7 +115,7 @@ class Shortfall(NamedTuple):
     required: float
     deviation: float
     ellipse: PositionEllipse
-    way: FloatArray
+    path: FloatArray
 
 
 class MapClearance(NamedTuple):

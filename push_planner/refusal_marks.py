@@ -53,15 +53,15 @@ class RefusalMarks(NamedTuple):
     :param overlap: ``Pose`` of an object that would overlap an obstacle, or None.
     :param nearest: ``Pose`` of the object, the nearest to its goal that a search has come to, or
         None.
-    :param way: points (x, y) of the robot's way to the object that it may not go, in the world
-        [m]; none where no way is in question.
+    :param robot_path: points (x, y) of the robot's path to the object that it may not drive, in
+        the world [m]; none where no path is in question.
     """
 
     narrow_place: NarrowPlace | None = None
     faces: tuple[FaceMark, ...] = ()
     overlap: Pose | None = None
     nearest: Pose | None = None
-    way: tuple[tuple[float, float], ...] = ()
+    robot_path: tuple[tuple[float, float], ...] = ()
 
     def report(self) -> dict[str, Any]:
         """Describe the marks by name, as the report of a plan does."""
@@ -77,8 +77,8 @@ class RefusalMarks(NamedTuple):
             values |= {'faces': len(self.faces),
                        'faces_with_room': sum(face.has_room for face in self.faces),
                        'face_places': [tuple(face) for face in self.faces]}
-        if self.way:
-            values['way'] = list(self.way)
+        if self.robot_path:
+            values['robot_path'] = list(self.robot_path)
         poses = {'overlap': self.overlap, 'nearest': self.nearest}
         return values | {name: pose for name, pose in poses.items() if pose is not None}
 
@@ -92,14 +92,14 @@ class RefusalMarks(NamedTuple):
         """
         place, faces = _numbers(values, 'narrow_place'), _numbers(values, 'face_places')
         width, needed = _numbers(values, 'width'), _numbers(values, 'needed_width')
-        ellipse, way = _numbers(values, 'position_ellipse'), _numbers(values, 'way')
+        ellipse, path = _numbers(values, 'position_ellipse'), _numbers(values, 'robot_path')
         return cls(
             NarrowPlace(place[0], place[1], width[0], needed[0] if needed else None,
                         PositionEllipse(*ellipse) if len(ellipse) == 3 else None)
             if len(place) == 2 and width else None,
             tuple(FaceMark(x, y, bool(has_room))
                   for x, y, has_room in zip(faces[::3], faces[1::3], faces[2::3])),
-            _pose(values, 'overlap'), _pose(values, 'nearest'), tuple(zip(way[::2], way[1::2])))
+            _pose(values, 'overlap'), _pose(values, 'nearest'), tuple(zip(path[::2], path[1::2])))
 
 
 NO_MARKS = RefusalMarks()

@@ -44,8 +44,8 @@ def refusal_markers(header: MarkerHeader, obj: PushedObject, robot: RoundRobot,
                     marks: RefusalMarks) -> MarkerArray:
     """Draw what stands against a plan in place of whatever was drawn before."""
     markers: list[Any] = list(erased(header).markers)
-    if marks.way:
-        markers.append(line_marker(header, 'paths', marks.way, BELIEVED))
+    if marks.robot_path:
+        markers.append(line_marker(header, 'paths', marks.robot_path, BELIEVED))
     if marks.narrow_place is not None:
         markers += _place_markers(header, marks.narrow_place)
     for index, face in enumerate(marks.faces):

@@ -115,8 +115,8 @@ def draw_refusal(axes: Axes, obj: PushedObject, radius: float, marks: RefusalMar
     :param axes: matplotlib axes.
     :param radius: of the robot [m].
     """
-    if marks.way:
-        axes.plot(*zip(*marks.way), **_approach_style(UNCERTAIN), zorder=8)
+    if marks.robot_path:
+        axes.plot(*zip(*marks.robot_path), **_approach_style(UNCERTAIN), zorder=8)
     if marks.narrow_place is not None:
         _draw_narrow_place(axes, marks.narrow_place)
     for face in marks.faces:
@@ -204,7 +204,7 @@ def _legend(plan: FirstPlan, marks: RefusalMarks) -> list[Any]:
 def refusal_legend(marks: RefusalMarks) -> list[Any]:
     """List the entries of a legend for the marks of a refusal."""
     handles: list[Any] = []
-    if marks.way:
+    if marks.robot_path:
         handles.append(Line2D([], [], label='way that the robot may not go',
                               **_approach_style(UNCERTAIN)))
     place = marks.narrow_place
@@ -237,7 +237,7 @@ def _set_view(axes: Axes, scenario: Scenario, plan: FirstPlan) -> tuple[float, f
     points += [_points_of(push) for push in plan.pushes]
     points.append(_around(request.robot_pose, radius))
     marks = NO_MARKS if plan.refusal is None else plan.refusal.marks
-    points.append(np.reshape(np.array(marks.way), (-1, 2)))
+    points.append(np.reshape(np.array(marks.robot_path), (-1, 2)))
     if marks.narrow_place is not None:
         place = marks.narrow_place
         points.append(_around(place, 0.5 * (place.needed_width or place.width)))

@@ -122,7 +122,7 @@ def test_what_stands_against_a_plan_is_as_wide_as_it_is() -> None:
     marks = RefusalMarks(
         NarrowPlace(1.0, -2.0, 0.5, 0.8, PositionEllipse(0.2, 0.05, 0.5)),
         (FaceMark(0.0, 1.0, True), FaceMark(1.0, 0.0, False)), POSE,
-        way=((0.0, 0.5), (1.0, -2.0)))
+        robot_path=((0.0, 0.5), (1.0, -2.0)))
     first, *markers = refusal_markers(HEADER, BOX, ROBOT, marks).markers
     assert first.action == Marker.DELETEALL
     assert len({(marker.ns, marker.id) for marker in markers}) == len(markers)
@@ -134,7 +134,7 @@ def test_what_stands_against_a_plan_is_as_wide_as_it_is() -> None:
     for point in by_name['needed', 0].points:
         assert math.hypot(point.x - 1.0, point.y + 2.0) == pytest.approx(0.4)
     assert '0.50 m' in by_name['widths', 0].text and '0.80 m' in by_name['widths', 0].text
-    assert [(point.x, point.y) for point in by_name['paths', 0].points] == list(marks.way)
+    assert [(point.x, point.y) for point in by_name['paths', 0].points] == list(marks.robot_path)
     assert [index for name, index in by_name if name == 'crosses up'] == [1]
     corners = np.array([(point.x, point.y) for point in by_name['overlap', 0].points[:-1]])
     assert corners == pytest.approx(np.array(list(map(POSE.transform, BOX.outline))))

@@ -65,13 +65,14 @@ def test_a_narrow_place_is_as_wide_as_it_is() -> None:
 
 def test_the_way_that_is_refused_is_drawn_and_explained() -> None:
     """All of it, and only where there is one."""
-    way = (0.0, 0.0), (1.0, -2.0), (2.0, -2.5)
+    path = (0.0, 0.0), (1.0, -2.0), (2.0, -2.5)
     axes = Figure().add_subplot()
-    draw_refusal(axes, BOX, RADIUS, RefusalMarks(PLACE, way=way))
+    draw_refusal(axes, BOX, RADIUS, RefusalMarks(PLACE, robot_path=path))
     line, = axes.lines
-    assert line.get_xydata() == pytest.approx(np.array(way))
-    with_way, without = (refusal_legend(RefusalMarks(PLACE, way=points)) for points in (way, ()))
-    assert len(with_way) == len(without) + 1
+    assert line.get_xydata() == pytest.approx(np.array(path))
+    explained, without = (refusal_legend(RefusalMarks(PLACE, robot_path=points))
+                          for points in (path, ()))
+    assert len(explained) == len(without) + 1
 
 
 def test_faces_without_room_are_crossed_out() -> None:

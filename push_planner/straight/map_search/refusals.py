@@ -22,8 +22,8 @@ SHUT_IN_DISTANCE = 1.0
 # Distance from its goal up to which a refusal says how far the object is off [m]; chosen: what the
 # last pushes of a task bring it.
 NEAR_GOAL = 0.1
-# Points of a way that are shown, at most; chosen: bends round furniture are seen.
-MAX_WAY_POINTS = 40
+# Points of a path that are shown, at most; chosen: bends round furniture are seen.
+MAX_PATH_POINTS = 40
 END_CODES = {SearchEnd.EXHAUSTED: PlanFailure.BLOCKED, SearchEnd.LIMIT: PlanFailure.SEARCH_LIMIT}
 
 
@@ -88,7 +88,7 @@ class Refusals(NamedTuple):
             f'it needs {needed:.2f} m',
             {'position_deviation': worst.deviation},
             RefusalMarks(NarrowPlace(worst.x, worst.y, width, needed, worst.ellipse),
-                         way=_thinned(worst.way)))
+                         robot_path=_thinned(worst.path)))
 
     def _roomiest_starts(self, pushes: Pushes) -> list[Pose]:
         """List the start with the most room at each face."""
@@ -168,8 +168,8 @@ class Refusals(NamedTuple):
 
 
 def _thinned(points: FloatArray) -> tuple[tuple[float, float], ...]:
-    """Choose points of a way that show it, to the centimetre, which is read as text."""
-    chosen = np.linspace(0, len(points) - 1, min(len(points), MAX_WAY_POINTS)).round().astype(int)
+    """Choose points of a path that show it, to the centimetre, which is read as text."""
+    chosen = np.linspace(0, len(points) - 1, min(len(points), MAX_PATH_POINTS)).round().astype(int)
     return tuple((round(x, 2), round(y, 2)) for x, y in points[chosen].tolist())
 
 

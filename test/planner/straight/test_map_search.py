@@ -235,11 +235,11 @@ def test_the_robot_comes_from_another_room():
     _, sigmas = CLEARANCE_STEPS[-1]
     assert report['needed_width'] == pytest.approx(
         2.0 * (ROBOT.radius + sigmas * report['position_deviation']), rel=0.02)
-    # The way leads there, from the robot to the object, and a robot that knew its place could go.
-    way = np.array(report['way'])
-    assert math.dist(way[0], start[:2]) < 0.02 and math.dist(way[-1], here[:2]) < 0.5
-    assert np.hypot(*(way - place).T).min() < 0.2
-    assert occupancy_map.clearance(way).min() > ROBOT.radius
+    # The path leads there, from the robot to the object, and a robot that knew its place could go.
+    path = np.array(report['robot_path'])
+    assert math.dist(path[0], start[:2]) < 0.02 and math.dist(path[-1], here[:2]) < 0.5
+    assert np.hypot(*(path - place).T).min() < 0.2
+    assert occupancy_map.clearance(path).min() > ROBOT.radius
 
 
 def test_a_plan_does_not_depend_on_the_frame():
