@@ -10,15 +10,17 @@ import time
 
 from helpers.architecture import ROOT
 from push_ros.executor import (
-    BAD_PARAMETER, ENDING_TIME, INTERRUPT_DELAY, MessageWaiter, run, take_message,
+    await_answer, BAD_PARAMETER, ENDING_TIME, INTERRUPT_DELAY, MessageWaiter, run, take_message,
 )
 from push_ros.qos import LATCHED
 from push_scenario.dds.private_network import private_domain
 import pytest
 import rclpy
 from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from std_msgs.msg import Float64
+from std_srvs.srv import Trigger
 
 pytestmark = pytest.mark.dds
 # Only keeps a suite from hanging [s].
@@ -242,4 +244,37 @@ def test_a_wait_ends_with_a_message_of_any_subscription():
                 assert received == sent
         finally:
             node.destroy_node()
+            rclpy.shutdown(context=context)
+
+
+def test_an_answer_is_awaited_without_an_executor_for_a_time_at_most() -> None:
+    """The request is done as soon as the service has answered, and not before."""
+    with private_domain() as domain:
+        context = Context()
+        rclpy.init(args=[], context=context, domain_id=domain)
+        server, asking = (rclpy.create_node(name, context=context) for name in ('serves', 'asks'))
+        executor = SingleThreadedExecutor(context=context)
+        executor.add_node(server)
+        served: list[Trigger.Request] = []
+
+        def answer(request: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+            served.append(request)
+            response.message = 'answered'
+            return response
+        try:
+            server.create_service(Trigger, 'asked', answer)
+            client = asking.create_client(Trigger, 'asked')
+            assert client.wait_for_service(60.0)
+            request = client.call_async(Trigger.Request())
+            await_answer(client, request, 0.01)
+            assert not request.done()
+            while not served:
+                executor.spin_once(timeout_sec=60.0)
+            await_answer(client, request, 60.0)
+            result = request.result()
+            assert result is not None and result.message == 'answered'
+        finally:
+            executor.shutdown()
+            server.destroy_node()
+            asking.destroy_node()
             rclpy.shutdown(context=context)
