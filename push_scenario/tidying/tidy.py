@@ -35,6 +35,8 @@ from push_tidy.tidy_supervisor import (
 
 # Measurements that a pose at rest is the mean of; chosen: half a second.
 MEAN_COUNT = 10
+# Tolerance of the heading of round objects, which does not count [rad].
+ANY_HEADING = 2.0 * math.pi
 
 
 class TidyProgress(NamedTuple):
@@ -153,7 +155,7 @@ def _goal_of(name: str, room: Room) -> ObjectGoal:
     return ObjectGoal(
         name, scenario.object, None if name in room.without_goal else scenario.goal.pose,
         GoalTolerances(bounds.position_error,
-                       bounds.heading_error if scenario.object.outline else math.pi))
+                       bounds.heading_error if scenario.object.outline else ANY_HEADING))
 
 
 class _TidyRun:
@@ -243,14 +245,17 @@ class _TidyRun:
     def _scenario_of(self, move: Move, object_pose: Pose) -> Scenario:
         """Make the scenario of one move: the others are obstacles of its map."""
         room = self._room
-        scenario = room.scenarios[move.name]
+        scenario, supervision = room.scenarios[move.name], room.task.supervision
+        if not scenario.object.outline:
+            supervision = dataclasses.replace(supervision, heading_tolerance=ANY_HEADING)
         floor = with_obstacles(
             room.floor_map, room.task.map_reading, self._standing_beside(move.name),
             MARGIN_SIGMAS * scenario.sensors.pose_noise)
         reading = dataclasses.replace(room.task.map_reading, allow_unknown=False)
         return dataclasses.replace(
             scenario, name=f'{room.name}, {move.name}',
-            task=dataclasses.replace(room.task, map=floor, map_reading=reading),
+            task=dataclasses.replace(room.task, map=floor, map_reading=reading,
+                                     supervision=supervision),
             start=Start(object=Placement(*object_pose),
                         robot=Placement(*self._simulated.robot_pose)),
             goal=Placement(*move.end))

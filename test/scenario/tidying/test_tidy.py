@@ -1,0 +1,25 @@
+"""Rooms put in order in one process."""
+
+from push_scenario.tidying.room import room_from_text
+from push_scenario.tidying.tidy import tidy
+import pytest
+
+# The heading of the bin at its goal is opposite to that at its start.
+BIN = """
+description: a bin to a place near by
+robot: {file: holonomic_017.yaml}
+start: {robot: {x: -0.5, y: 0.0}}
+objects:
+  bin: {object: {file: bin.yaml}, start: {x: 0.0, y: 0.0}, goal: {x: 0.3, y: 0.0, theta_deg: 180}}
+task: {}
+time_limit: 60
+"""
+
+
+@pytest.mark.slow
+def test_a_round_object_is_brought_to_its_place_in_any_heading() -> None:
+    """By a push or two: nobody turns it."""
+    result = tidy(room_from_text(BIN, 'bin'))
+    move, = result.moves
+    assert not result.failures and move.run.pushes <= 2
+    assert result.errors('bin')[0] < 0.01 and result.errors('bin')[1] > 2.0
