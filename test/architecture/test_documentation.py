@@ -16,6 +16,7 @@ REPORTS = {
     'benchmarks/chances/chances.md.in': 'docs/reports/chances.md',
     'benchmarks/controller/controller.md.in': 'docs/reports/controller.md',
     'benchmarks/faults/faults.md.in': 'docs/reports/faults.md',
+    'benchmarks/pixels/pixels.md.in': 'docs/reports/pixels.md',
     'benchmarks/planner/planner.md.in': 'docs/reports/planner.md',
     'benchmarks/plant/mujoco.md.in': 'docs/reports/mujoco.md',
     'benchmarks/plant/plant.md.in': 'docs/reports/plant.md',

@@ -37,3 +37,17 @@ def test_drawn_tasks_differ_by_their_seed_alone() -> None:
     assert first == again
     assert first.goal != other.goal
     assert first.sensors.camera.place == 'room'
+
+
+def test_records_are_read_as_they_were_written(tmp_path) -> None:
+    """And their tasks are not run again; a row counts what is done and is not."""
+    benchmark = import_extra('mujoco', 'mujoco', 'benchmarks.pixels.__main__')
+    path = tmp_path / 'records.jsonl'
+    assert benchmark.read_records(path) == []
+    lines = ('{"view": "room", "seed": 0, "outcome": "DONE", "reason": "", "time": 20.0, '
+             '"position_error": %s, "heading_error": 0.0}\n' % error for error in (0.004, 0.012))
+    path.write_text(''.join(lines))
+    endings = benchmark.read_records(path)
+    assert [ending.is_within for ending in endings] == [True, False]
+    assert '| 1 of 2 | 1 | 8.0, 12.0 mm | 20 s |' in benchmark.row('room', endings)
+    assert benchmark.run_tasks(0, path) == endings

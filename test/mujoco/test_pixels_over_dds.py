@@ -27,10 +27,15 @@ NODES = {
 def test_an_object_that_only_images_show_is_pushed_to_its_goal(tmp_path) -> None:
     """Truly: within what the drift of the wheels leaves of the tolerance."""
     skip_without_graphics()
+    drawn, tolerance = cases.draw_scenario('robot', 0), cases.TOLERANCES['robot']
+    supervision = dataclasses.replace(drawn.task.supervision,
+                                      position_tolerance=tolerance.position,
+                                      heading_tolerance=tolerance.heading)
     scenario = dataclasses.replace(
-        cases.draw_scenario('robot', 0), name='pixels', goal=Placement(0.2, 0.0, 0.0),
-        start=Start(robot=Placement(-0.7, 0.0, 0.0)), time_limit=60.0)
+        drawn, name='pixels', goal=Placement(0.2, 0.0, 0.0),
+        start=Start(robot=Placement(-0.7, 0.0, 0.0)), time_limit=60.0,
+        task=dataclasses.replace(drawn.task, supervision=supervision))
     result = run_over_dds(scenario, None, tmp_path, real_time=True, record=False, nodes=NODES)
     assert result.outcome is Outcome.DONE, result.reason
     assert result.pushes >= 1
-    assert abs(result.position_error) <= 2.0 * cases.TOLERANCES['robot'].position
+    assert abs(result.position_error) <= 2.0 * tolerance.position

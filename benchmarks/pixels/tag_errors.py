@@ -1,19 +1,18 @@
 """
-Errors of object poses from images of tags: ``python -m benchmarks.tags``.
+Errors of object poses from images of tags.
 
 MuJoCo draws the box with its tags as the camera of a TurtleBot 4 sees it, at every heading and
 within 15 degrees of its axis. The table has the errors against the truth, and what the
 covariances state: a ratio of 1 is an error as stated.
 """
 
-import argparse
 import math
-import sys
 from typing import NamedTuple
 
 import numpy as np
 from push_model.files.parameter_files import read_object
 from push_model.geometry import Pose, wrap_angle
+from push_model.rigid_transform import RigidTransform
 from push_mujoco.camera import SimulatedCamera
 from push_mujoco.rendering import render_camera, TaggedScene
 from push_mujoco.simulated_robot import DEFAULT_ROBOTS, read_simulated_robot
@@ -27,7 +26,7 @@ from push_tags.tagged_object import TaggedObject
 
 OBJECT = 'box_04'
 # From the lens to the middle of the object [m].
-DISTANCES = 0.7, 1.0, 2.0, 3.0
+DISTANCES = 0.5, 0.7, 1.0, 2.0, 3.0
 MAX_BEARING = math.radians(15.0)
 MILLIMETRES = 1e3
 
@@ -55,10 +54,8 @@ def measure(distance: float, count: int, seed: int) -> Errors:
     camera = SimulatedCamera()
     layout = read_tag_layout(OBJECT)
     scene = TaggedScene(robot, read_object(OBJECT), tag_pictures(layout))
-    view = View(CameraIntrinsics.from_view_angle(camera.width, camera.height, camera.view_angle),
-                CameraMounting(x=camera.x, y=camera.y, z=camera.z, yaw=camera.heading,
-                               pitch=camera.pitch).optical_pose)
-    detector = TagDetector(view.camera)
+    lens = CameraIntrinsics.from_view_angle(camera.width, camera.height, camera.view_angle)
+    detector, settings = TagDetector(lens), DetectorSettings()
     rng = np.random.default_rng(seed)
     errors = Errors([], [], [], [], [])
     for _ in range(count):
@@ -67,10 +64,20 @@ def measure(distance: float, count: int, seed: int) -> Errors:
                      rng.uniform(-math.pi, math.pi))
         image = render_camera(scene, camera, truth, Pose(0.0, 0.0, 0.0), noise=rng)
         grey = np.rint(image @ (0.299, 0.587, 0.114)).astype(np.uint8)
-        located = TaggedObject(layout, DetectorSettings()).locate(0.0, detector.detect(grey), view)
+        view = View(lens, _mounted_amiss(camera, settings, rng))
+        located = TaggedObject(layout, settings).locate(0.0, detector.detect(grey), view)
         if located.object_pose is not None and located.object_pose.covariance is not None:
             _add(errors, truth, located.object_pose.pose, located.object_pose.covariance)
     return errors
+
+
+def _mounted_amiss(camera: SimulatedCamera, settings: DetectorSettings,
+                   rng: np.random.Generator) -> RigidTransform:
+    """Take the camera to be mounted as badly as the detector expects."""
+    height = settings.height_deviation * rng.standard_normal()
+    roll, pitch = settings.tilt_deviation * rng.standard_normal(2)
+    return CameraMounting(x=camera.x, y=camera.y, z=camera.z + height, yaw=camera.heading,
+                          roll=roll, pitch=camera.pitch + pitch).optical_pose
 
 
 def _add(errors, truth, pose, covariance) -> None:
@@ -93,20 +100,17 @@ def row(distance: float, count: int, errors: Errors) -> str:
             f'| {np.degrees(np.median(errors.stated_heading)):.2f} degrees | {ratio:.2f} |')
 
 
-def main() -> int:
-    """Print the table; return the exit status."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument('--count', type=int, default=25, help='images at each distance')
-    parser.add_argument('--seed', type=int, default=1, help='of what is drawn')
-    options = parser.parse_args()
-    print('| distance | poses | position: median, 95 % | stated | heading: median, 95 % | stated '
-          '| error over stated |\n| --- | --- | --- | --- | --- | --- | --- |')
+def table(count: int, seed: int = 1) -> str:
+    """
+    Measure at all distances; return a table in Markdown.
+
+    :param count: of images at each distance.
+    :param seed: as of ``measure``.
+    """
+    rows = ['| distance | poses | position: median, 95 % | stated | heading: median, 95 % '
+            '| stated | error over stated |\n| --- | --- | --- | --- | --- | --- | --- |']
     for distance in DISTANCES:
-        errors = measure(distance, options.count, options.seed)
+        errors = measure(distance, count, seed)
         if errors.position:
-            print(row(distance, options.count, errors), flush=True)
-    return 0
-
-
-if __name__ == '__main__':
-    sys.exit(main())
+            rows.append(row(distance, count, errors))
+    return '\n'.join(rows)

@@ -1,1 +1,0 @@
-"""Benchmark of the detector of tags, by images of MuJoCo."""
