@@ -20,6 +20,8 @@ class Observation(NamedTuple):
     :param pose_rejection: ``EventReport`` of why a newer pose is not believed, or None.
     :param base: what is known of the base by now; None for as stated.
     :param place: the last place of the robot in its map, or None where nothing measures it.
+    :param is_bumper_pressed: whether the switch of the robot's bumper has been closed since the
+        odometry before; None where nothing tells.
     """
 
     time: float
@@ -28,6 +30,7 @@ class Observation(NamedTuple):
     pose_rejection: Optional[EventReport] = None
     base: Optional[BaseKnowledge] = None
     place: Optional[RobotPlace] = None
+    is_bumper_pressed: Optional[bool] = None
 
     @property
     def stamps(self) -> Stamps:

@@ -122,8 +122,8 @@ TOPICS = {
                                   'the same as JPEG or PNG, with compressed', is_optional=True),
     'camera_info': Topic(CameraInfo, (SIM,), (TAG_DETECTOR,), qos.IMAGE, qos.SENSOR,
                          'intrinsics of its camera, with each image', is_optional=True),
-    'bumper': Topic(Bool, (SIM,), (), qos.EVENT, qos.SENSOR,
-                    "whether the switch of its robot's bumper is closed", is_optional=True),
+    'bumper': Topic(Bool, (SIM,), (CONTROLLER,), qos.EVENT, qos.SENSOR,
+                    "whether the switch of the robot's bumper is closed", is_optional=True),
     'place': Topic(PoseWithCovarianceStamped, (), (CONTROLLER,), qos.MEASUREMENT, qos.SENSOR,
                    'place of the robot in the map, as of AMCL or slam_toolbox, with place.source '
                    'place', is_optional=True),

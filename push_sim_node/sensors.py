@@ -87,6 +87,8 @@ class SensorSettings:
     odometry_step: float = quantity('step to which coordinates of odometry are rounded; 0: none',
                                     'm', 0.0, 0.1, default=0.0)
     odometry_angle_step: float = quantity('the same of its heading', 'rad', 0.0, 0.5, default=0.0)
+    bumper_force: float = quantity('force that closes the switch of the bumper; 0: none', 'N',
+                                   0.0, 1000.0, default=0.0)
     camera: CameraSettings = CameraSettings()
     lidar: LidarSensorSettings = LidarSensorSettings()
 

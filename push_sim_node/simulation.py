@@ -225,6 +225,14 @@ class Simulation:
         """Tell whether the camera sees the object now; without a camera it is always seen."""
         return self._camera.sees(self.plant.object_pose, self.plant.robot_pose)
 
+    @property
+    def is_bumper_pressed(self) -> bool | None:
+        """Tell whether the switch of the bumper is closed; None where there is none."""
+        if self.sensors.bumper_force == 0.0:
+            return None
+        truth = self.truth
+        return truth.force_n > self.sensors.bumper_force or truth.walls.holds_robot
+
     def set_sensors(self, sensors: SensorSettings) -> None:
         """Measure with other errors, rates and latency from the next measurements on."""
         self.sensors = sensors

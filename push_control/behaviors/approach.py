@@ -5,7 +5,9 @@ import math
 
 import numpy as np
 from push_control.behaviors.behavior import Behavior, BehaviorContext
-from push_control.behaviors.failures import BehaviorFailure, no_path
+from push_control.behaviors.bumper import bumped, STOPPING_TIME
+from push_control.behaviors.failures import BehaviorFailure, FailureReport, no_path
+from push_control.behaviors.object_touch import locate_at_object, touches_object
 from push_control.behaviors.path_execution import blocks, displacement, PathExecution
 from push_control.behaviors.straight_push import touch_speed
 from push_control.perception.object_at_rest import has_moved
@@ -40,8 +42,9 @@ SETTLING_DISTANCE = 0.02
 # a landmark, and length of the segments on which a holonomic base faces it [m]; chosen: some
 # periods of a camera, and turns of some degrees.
 LAST_LOOK_DISTANCE, FACING_SPACING = 0.12, 0.1
-# Time after which the robot stands that was to stop [s]; chosen: as of braking from 0.3 m/s.
-STOPPING_TIME = 0.3
+# Distance and angle from the start of a push at which a touch is that of the push [m, rad];
+# chosen: what the push itself corrects.
+MAX_TOUCH_ERROR, MAX_TOUCH_ANGLE = 0.03, 0.15
 # Standard deviations of the robot's position that a gap must exceed to be there for certain.
 CERTAIN_SIGMAS = 3.0
 
@@ -74,6 +77,13 @@ class StandoffApproach(Behavior[TaskPerception]):
     def is_blocked(self, occupancy_map: OccupancyMap | None, pose: Pose) -> bool:
         """Tell whether a new map has an obstacle on the path where the previous one has none."""
         return blocks(self._execution, self._context.occupancy_map, occupancy_map, pose)
+
+    def on_bumped(self, perception: TaskPerception) -> FailureReport | None:
+        """Fail; a robot that seems to be at the object is there."""
+        if touches_object(perception):
+            locate_at_object(perception, self._context.obj, self._context.robot)
+            perception.on_unexpected_contact()
+        return bumped(perception)
 
     def pause(self) -> None:
         """Forget the path; the next step plans another one."""
@@ -198,7 +208,30 @@ class MovingApproach(StandoffApproach):
         super().__init__(context, target)
         self._line = target.straight_line()
         self._end_speed = touch_speed(target)
+        self._has_touched = False
         self._view = View.from_settings(context.supervision)
+
+    def on_bumped(self, perception: TaskPerception) -> FailureReport | None:
+        """Hand over to the push where it touches about where it should; else fail."""
+        self._has_touched = touches_object(perception) and self._is_at_contact(perception)
+        return None if self._has_touched else super().on_bumped(perception)
+
+    def _is_at_contact(self, perception: TaskPerception) -> bool:
+        """Tell whether the robot is where the push begins, as well as that is known."""
+        start = perception.object_at_rest.pose @ self._line.start
+        error = start.inverse() @ perception.robot_pose
+        deviation = perception.localization.position_deviation
+        return (math.hypot(error.x, error.y) < math.hypot(MAX_TOUCH_ERROR,
+                                                          CERTAIN_SIGMAS * deviation)
+                and (self._context.robot.drive == 'holonomic'
+                     or abs(wrap_angle(error.theta)) < MAX_TOUCH_ANGLE))
+
+    def step(self, perception: TaskPerception, dt: float) -> Twist:
+        """Compute the command."""
+        if self._has_touched:
+            self.finished = True
+            return STOP
+        return super().step(perception, dt)
 
     def _plan_path(self, perception: TaskPerception, object_pose: Pose) -> PathExecution:
         context, drive = self._context, self._drive(perception, object_pose)

@@ -151,6 +151,15 @@ class Behavior(abc.ABC, Generic[Perception]):
         """
         return None
 
+    def on_bumped(self, perception: Perception) -> FailureReport | None:
+        """
+        Take note that the bumper has closed; called before the step with that observation.
+
+        :param perception: as of ``step``.
+        :return: ``FailureReport`` where it should have touched nothing; else None.
+        """
+        return None
+
     def resume(self) -> bool:
         """Go on after a stop of the base; return whether it does so by itself."""
         return False

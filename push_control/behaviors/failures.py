@@ -13,6 +13,7 @@ class BehaviorFailure(Cause):
     PATH_END_MISSED = 'the robot comes beside the end of its path'
     NOT_AT_PRE_PUSH_POSE = 'the robot stands {distance:.0f} mm from its pre-push pose'
     RAN_INTO_OBJECT = 'the robot has run into the object'
+    BUMPED = 'the bumper was touched where the way should be clear'
     OBJECT_MOVED = 'the object has been moved'
 
     # At the object: the robot is not where it is estimated to be.

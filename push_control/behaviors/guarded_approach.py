@@ -10,7 +10,9 @@ from typing import NamedTuple
 
 from push_control.behaviors.approach import approach_direction
 from push_control.behaviors.behavior import Behavior, BehaviorContext
-from push_control.behaviors.failures import BehaviorFailure
+from push_control.behaviors.bumper import bumped
+from push_control.behaviors.failures import BehaviorFailure, FailureReport
+from push_control.behaviors.object_touch import touches_object
 from push_control.perception.object_at_rest import has_moved, ObjectAtRest
 from push_control.perception.perception import TaskPerception
 from push_control.steered.estimation.cusum import CusumTest
@@ -49,6 +51,13 @@ class GuardedApproach(Behavior[TaskPerception]):
         self._remaining_time = 0.0
         self._speed = 0.0
         self._pose_time = -math.inf
+
+    def on_bumped(self, perception: TaskPerception) -> FailureReport | None:
+        """End the search at the object; fail at anything else."""
+        if not touches_object(perception):
+            return bumped(perception)
+        self._end_at_contact(perception)
+        return self.failure
 
     def pause(self) -> None:
         """Accelerate again from rest at the next step."""
@@ -119,8 +128,12 @@ class GuardedApproach(Behavior[TaskPerception]):
         n_x, n_y = Pose(0.0, 0.0, before.theta).rotate((math.cos(normal), math.sin(normal)))
         motion = (x - x_before) * n_x + (y - y_before) * n_y
         if self._contact_test.update(motion / self._noise(measured)) > 0:
-            fault = start_fault(
-                context.robot, context.control, self._target, perception.corrected_observation)
-            if fault is not None:
-                self.failure = fault
-            self.finished = fault is None
+            self._end_at_contact(perception)
+
+    def _end_at_contact(self, perception: TaskPerception) -> None:
+        """End where the push may begin from here; else fail."""
+        fault = start_fault(self._context.robot, self._context.control, self._target,
+                            perception.corrected_observation)
+        if fault is not None:
+            self.failure = fault
+        self.finished = fault is None

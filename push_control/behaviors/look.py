@@ -12,6 +12,8 @@ from collections.abc import Iterator
 import math
 
 from push_control.behaviors.behavior import Abort, Behavior, BehaviorContext, MeasurementNeed
+from push_control.behaviors.bumper import bumped
+from push_control.behaviors.failures import FailureReport
 from push_control.behaviors.inspection import distance_at_gap
 from push_control.behaviors.look_motions import (
     CAUTIOUS_SPEED, Drive, LookMotion, TurnRound, TurnToObject, Wait)
@@ -143,6 +145,10 @@ class Look(Behavior[TaskPerception]):
         """Tell whether a new map has an obstacle on the path where the previous one has none."""
         return self._motion is not None and self._motion.is_blocked(
             self._context.occupancy_map, occupancy_map, pose)
+
+    def on_bumped(self, perception: TaskPerception) -> FailureReport | None:
+        """Fail: it looks from where nothing is."""
+        return bumped(perception)
 
     def pause(self) -> None:
         """Turn on from wherever the robot is, and leave a path out that it was on."""

@@ -4,6 +4,7 @@ import abc
 
 import numpy as np
 from push_control.behaviors.behavior import Behavior, BehaviorContext, Perception
+from push_control.behaviors.bumper import bumped
 from push_control.behaviors.failures import BehaviorFailure, FailureReport, no_path
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.parameters import RoundRobot
@@ -18,6 +19,9 @@ from push_navigation.speed_profile import travel_time
 SPACING = 0.02
 # Displacement that counts as motion [m]; chosen: above the noise of odometry at rest.
 MOTION_THRESHOLD = 0.005
+# Distance from the start of a path within which the bumper may still touch what is left [m];
+# chosen: what an object slides on when its push ends.
+LEAVING_DISTANCE = 0.02
 # A path may take this many times its travel time, and the stall time-out besides; chosen.
 TRAVEL_TIME_FACTOR = 2.0
 
@@ -75,6 +79,10 @@ class PathExecution:
     def has_missed_end(self) -> bool:
         """Tell whether the robot has come beside an end that it was to pass, and stops."""
         return self._follower.missed
+
+    def has_left_start(self, pose: Pose) -> bool:
+        """Tell whether the robot has left what it may have touched at the start."""
+        return distance(self._path.poses[0], pose) > LEAVING_DISTANCE
 
     def is_free(self, occupancy_map: OccupancyMap | None, pose: Pose) -> bool:
         """
@@ -153,6 +161,13 @@ class PathBehavior(Behavior[Perception]):
     def is_blocked(self, occupancy_map: OccupancyMap | None, pose: Pose) -> bool:
         """Tell whether a new map has an obstacle on the path where the previous one has none."""
         return blocks(self._execution, self.context.occupancy_map, occupancy_map, pose)
+
+    def on_bumped(self, perception: Perception) -> FailureReport | None:
+        """Fail, but for a touch of what the robot leaves."""
+        execution = self._execution
+        if execution is None or not execution.has_left_start(perception.robot_pose):
+            return None
+        return bumped(perception)
 
     def pause(self) -> None:
         """Forget the path; the next step plans another one."""

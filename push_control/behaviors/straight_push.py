@@ -14,7 +14,9 @@ from push_base.base_identifier import MAX_LEAST_SPEED
 from push_base.spin_watch import MAX_SPIN_RATIO, SpinWatch
 from push_base.stall_watch import StallWatch
 from push_control.behaviors.behavior import Behavior, BehaviorContext
+from push_control.behaviors.bumper import bumped
 from push_control.behaviors.failures import BehaviorFailure, FailureReport, held_up
+from push_control.behaviors.object_touch import locate_at_object, touches_object
 from push_control.behaviors.obstacle_guard import (
     blocks_push, guarded_members, ObstacleGuard)
 from push_control.behaviors.push_progress import (
@@ -214,6 +216,11 @@ class StraightPush(Behavior[TaskPerception]):
         return self._map is not None and self._map.object_clearance(
             self._obj, [self._ensemble.object_pose]) < TOUCHED_WALL
 
+    def on_bumped(self, perception: TaskPerception) -> FailureReport | None:
+        """Fail where the robot is not at the object yet."""
+        is_early = self._progress.stage is Stage.RUN_IN and not touches_object(perception)
+        return bumped(perception) if is_early else None
+
     def pause(self) -> None:
         """End the push: the robot stands."""
         if self._progress.stage is not Stage.STOPPING:
@@ -270,7 +277,7 @@ class StraightPush(Behavior[TaskPerception]):
             progress = dataclasses.replace(
                 progress, is_near_obstacle=self._is_near_obstacle(progress.is_blind, dt))
         if progress.stage is Stage.RUN_IN:
-            return self._with_contact(progress)
+            return self._with_contact(progress, perception)
         if progress.stage is Stage.PUSHING:
             watch = self._watch_wheels(progress, perception)
             return dataclasses.replace(
@@ -342,17 +349,25 @@ class StraightPush(Behavior[TaskPerception]):
                 or abs(wrap_angle(measured.pose.theta - before.theta))
                 > MOVED_SIGMAS * noise.heading_deviation)
 
-    def _with_contact(self, progress: PushProgress) -> PushProgress:
-        """Start to push where the ensemble has the robot touch the object."""
+    def _with_contact(self, progress: PushProgress, perception: TaskPerception) -> PushProgress:
+        """Start to push where ensemble or bumper have the robot touch the object."""
         ensemble = self._ensemble
         line = ensemble.object_pose @ self._line.start
-        if progress.has_touched_early or ensemble.contact_ratio <= 0.5:
+        is_touching = self._touches_by_bumper(perception)
+        if progress.has_touched_early or not (is_touching or ensemble.contact_ratio > 0.5):
             overrun, _ = line.inverse().transform(ensemble.pose[:2])
             return dataclasses.replace(progress, overrun=overrun)
         if self._robot.drive != 'differential':
             self._direction = wrap_angle(line.theta - ensemble.pose.theta)
         return dataclasses.replace(progress, stage=Stage.PUSHING, last_contact=progress.time,
                                    touch_deviation=progress.deviation)
+
+    def _touches_by_bumper(self, perception: TaskPerception) -> bool:
+        """Tell whether the bumper touches the object; the robot is located there."""
+        if not (perception.observation.is_bumper_pressed and touches_object(perception)):
+            return False
+        locate_at_object(perception, self._obj, self._robot)
+        return True
 
     def _watch_wheels(self, progress: PushProgress, perception: TaskPerception) -> SpinWatch:
         """Compare what the wheels drive with how the object moves where it is touched."""

@@ -96,9 +96,8 @@ class TaskPerception(RawPerception):
             self._observe(RobotLocalized())
         if has_odometry or has_pose:
             odometry = self.localization.corrected(odometry)
-        self._observation = Observation(observation.time, odometry, measured,
-                                        observation.pose_rejection, observation.base,
-                                        observation.place)
+        self._observation = observation._replace(odometry=odometry, object_pose=measured)
+        self._take_bumper(observation)
         if self.has_limited_view and not self.expects_pose:
             self._unexpected_at = self.time
 

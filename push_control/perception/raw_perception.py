@@ -33,6 +33,9 @@ class RawPerception:
         self._pose_time: float | None = None
         # Whether the last measurement has come again: a simulation holds its time.
         self._is_held = False
+        # Whether the bumper was last pressed, and whether it has closed since.
+        self._is_pressed: bool | None = None
+        self._has_bumped = False
 
     def update(self, observation: Observation) -> None:
         """
@@ -42,9 +45,19 @@ class RawPerception:
         """
         self._is_held = observation == self._observation
         self._observation = observation
+        self._take_bumper(observation)
         measured = observation.object_pose
         if measured is not None and measured.pose.is_finite():
             self._pose_time = measured.time
+
+    def _take_bumper(self, observation: Observation) -> None:
+        self._has_bumped = self._is_pressed is False and observation.is_bumper_pressed is True
+        self._is_pressed = observation.is_bumper_pressed
+
+    @property
+    def has_bumped(self) -> bool:
+        """Tell whether the bumper has closed with this observation: it was open before."""
+        return self._has_bumped
 
     def measurement_fault(self, needs_object: bool) -> EventReport | None:
         """

@@ -115,6 +115,7 @@ class ActiveController:
                 with_covariance=self._parameters.options.object_pose_with_covariance,
                 frame=frames.world_frame)
         self._subscribe_place()
+        node.subscribe('bumper', self.on_bumper, real_time=True)
         node.subscribe('push_plan', self.on_plan, real_time=True)
         node.subscribe('goal_pose', world.receiver('goal_pose', Handlers(
             self._on_goal, self._refuse_goal, self.goals.move)))
@@ -228,6 +229,14 @@ class ActiveController:
         base_frame = self._parameters.frames.base_frame
         self._on_measurement(
             message, lambda relative, _: from_relative_pose_message(relative, base_frame))
+
+    def on_bumper(self, message: Any) -> None:
+        """
+        Note whether the bumper is pressed; the next odometry is answered with that.
+
+        :param message: ``std_msgs/Bool``.
+        """
+        self._latest.add_bumper(message.data)
 
     def on_scan(self, message: Any) -> None:
         """

@@ -20,6 +20,24 @@ RECOVERY_TIME = 5.0
 STANDSTILL_TIMEOUT = 1.0
 
 
+class _BumperMemory:
+    """Keeps a touch of the bumper until the next odometry, however short it was."""
+
+    def __init__(self) -> None:
+        # None before the first news of it.
+        self._is_pressed: bool | None = None
+        self._was_pressed = False
+
+    def add(self, is_pressed: bool) -> None:
+        self._is_pressed = is_pressed
+        self._was_pressed |= is_pressed
+
+    def pop(self) -> bool | None:
+        """Tell whether it was pressed since the last call; None where nothing is known."""
+        was_pressed, self._was_pressed = self._was_pressed, self._is_pressed is True
+        return was_pressed or self._is_pressed
+
+
 class LatestMeasurements:
     """
     Newest measurement of each kind.
@@ -32,6 +50,8 @@ class LatestMeasurements:
         self.odometry: Odometry | None = None
         self.object_pose: ObjectPose | None = None
         self.time = 0.0
+        self._bumper = _BumperMemory()
+        self._is_bumper_pressed: bool | None = None
         self._history = OdometryHistory()
         # A relative pose that waits for odometry of its time.
         self._unplaced: ObjectPose | None = None
@@ -56,11 +76,16 @@ class LatestMeasurements:
         self._place_relative()
         return self.time - before
 
+    def add_bumper(self, is_pressed: bool) -> None:
+        """Note whether the bumper is pressed, which counts with the next odometry."""
+        self._bumper.add(is_pressed)
+
     def _add_odometry(self, odometry: Odometry) -> None:
         if self.odometry is None:
             self._forget_later_pose(odometry.time)
         if self.odometry is None or odometry.time >= self.odometry.time:
             self.odometry = odometry
+            self._is_bumper_pressed = self._bumper.pop()
         self._history.append(odometry)
         self.time = max(self.time, odometry.time)
 
@@ -96,7 +121,8 @@ class LatestMeasurements:
         """``Observation`` of the newest measurements; None before the first odometry."""
         if self.odometry is None:
             return None
-        return Observation(self.time, self.odometry, self.object_pose)
+        return Observation(self.time, self.odometry, self.object_pose,
+                           is_bumper_pressed=self._is_bumper_pressed)
 
 
 class CovarianceCheck:

@@ -271,12 +271,14 @@ class TaskExecution:
 
     def _act(self, dt: float) -> Twist:
         """Let the behaviour act, and leave it once it has ended."""
-        command = self._behavior.step(self._perception, dt)
-        failure = self._behavior.failure
+        behavior, perception = self._behavior, self._perception
+        failure = behavior.on_bumped(perception) if perception.has_bumped else None
+        command = STOP if failure is not None else behavior.step(perception, dt)
+        failure = failure or behavior.failure
         if failure is not None:
             self._end_after_failure(failure)
             return STOP
-        if self._behavior.finished:
+        if behavior.finished:
             self._advance()
         return command
 

@@ -288,7 +288,8 @@ class ClosedLoop:
         if isinstance(measurement, Odometry):
             if localizer is not None:
                 localizer.add_odometry(measurement)
-            return before._replace(time=now, odometry=measurement)
+            return before._replace(time=now, odometry=measurement,
+                                   is_bumper_pressed=self._simulation.is_bumper_pressed)
         return before._replace(time=now, place=self._located(measurement) or before.place)
 
     def _located(self, scan: LidarScan) -> RobotPlace | None:

@@ -23,6 +23,7 @@ from push_sim_node.truth import Truth
 from rclpy.duration import Duration
 from rclpy.serialization import serialize_message
 from rosgraph_msgs.msg import Clock
+from std_msgs.msg import Bool
 
 try:
     # Not installed everywhere.
@@ -102,6 +103,7 @@ class SimOutputs:
         for name in [entry.name for entry in options.objects] or ['']:
             self._measurements[topic_of_object('object_pose', name)] = node.publisher(
                 'object_pose', object_name=name)
+        self._bumper = node.publisher('bumper') if sensors.bumper_force > 0.0 else None
         self._wrench = _Output(node.publisher('contact_wrench'), WRENCH_RATE)
         self._markers = _Output(node.publisher('markers'), MARKER_RATE)
         self._clock = node.publisher('clock') if self._owns_time else None
@@ -179,6 +181,11 @@ class SimOutputs:
             published = self._pose_message(object_name, measurement)
         self.republish(published)
         return published
+
+    def publish_bumper(self, is_pressed: bool) -> None:
+        """Publish whether the bumper is pressed, where the robot has one."""
+        if self._bumper is not None:
+            self._bumper.publish(Bool(data=is_pressed))
 
     def publish_standing(self, name: str, pose: ObjectPose) -> PublishedMeasurement:
         """

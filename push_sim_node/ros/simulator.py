@@ -111,6 +111,9 @@ class Simulator(PushNode):
 
         :param measurement: of any sensor.
         """
+        is_pressed = self._simulation.is_bumper_pressed
+        if is_pressed is not None and isinstance(measurement, Odometry):
+            self._outputs.publish_bumper(is_pressed)
 
     def _make_room(self, robot: RoundRobot, settings: SimulationSettings,
                    sensors: SensorSettings) -> RoomSimulation | None:

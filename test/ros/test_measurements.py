@@ -51,6 +51,20 @@ def moving(time):
     return Odometry(time, Pose(0.3 * time, 0.1, 0.4 * time), STOP)
 
 
+@pytest.mark.parametrize('news, expected', [
+    ([], None), ([False], False), ([True], True), ([True, False], True), ([False, True], True)])
+def test_a_touch_of_the_bumper_counts_with_the_next_odometry(
+        news: list[bool], expected: bool | None) -> None:
+    """However short it was; a bumper that nobody tells of is none."""
+    latest = LatestMeasurements()
+    for is_pressed in news:
+        latest.add_bumper(is_pressed)
+    latest.add(moving(0.0))
+    assert latest.observation.is_bumper_pressed is expected
+    latest.add(moving(1.0))
+    assert latest.observation.is_bumper_pressed is (news[-1] if news else None)
+
+
 def test_a_relative_pose_is_placed_by_odometry_of_its_own_time():
     """Late or early; until there is such odometry, nothing has been measured."""
     relative = Pose(0.8, -0.1, 0.2)

@@ -466,14 +466,15 @@ def drive(b, plant, end, done=lambda: False, pause=0.0):
 def test_planner_and_controller_have_the_topics_and_services_of_the_list(planner, lasting):
     """What else they have is rclpy's own, or of the action."""
     for name, b in ((PLANNER, planner), (CONTROLLER, lasting)):
-        wait_for_the_list(b, name)
+        wait_for_the_list(b, name, optional={'bumper'})
 
 
 def test_a_simulator_has_the_topics_and_services_of_the_list(tmp_path):
-    """It owns time here, and has a lidar."""
+    """It owns time here, and has a lidar and a bumper."""
     with bench(tmp_path, SIM, MODULES[SIM], {**PHYSICS, **AWAY, 'publish_clock': True,
-                                             'sensors.lidar.rate': 10.0}) as b:
-        wait_for_the_list(b, SIM, optional={'scan'})
+                                             'sensors.lidar.rate': 10.0,
+                                             'sensors.bumper_force': 2.0}) as b:
+        wait_for_the_list(b, SIM, optional={'scan', 'bumper'})
 
 
 def wait_for_the_list(b, name, *, optional=frozenset()):

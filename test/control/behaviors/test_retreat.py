@@ -5,12 +5,16 @@ import math
 from helpers.objects import box
 import numpy as np
 from push_control.behaviors.behavior import BehaviorContext
-from push_control.behaviors.retreat import retreat_path
+from push_control.behaviors.failures import BehaviorFailure
+from push_control.behaviors.retreat import Retreat, retreat_path
+from push_control.perception.raw_perception import RawPerception
 from push_control.settings import ControlSettings
 from push_control.supervision_settings import SupervisionSettings
 from push_model.contact import find_contact
 from push_model.geometry import distance, Pose
+from push_model.observation import Observation
 from push_model.parameters import RoundRobot
+from push_model.signals import ObjectPose, Odometry, STOP
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.path import sample_path
 from push_navigation.settings import DriveSettings
@@ -71,3 +75,19 @@ def test_a_robot_beside_a_wall_backs_off_along_it():
     path = retreat_path(walled, start, ORIGIN, DISTANCE)
     assert path.length == pytest.approx(DISTANCE)
     assert path.poses[-1].y == pytest.approx(start.y, abs=1e-9)
+
+
+def test_a_bumper_that_closes_behind_the_object_ends_a_retreat() -> None:
+    """What it closes on right at the object is that: it slides on when a push ends."""
+    retreat, perception = Retreat(context('holonomic'), DISTANCE), RawPerception(ControlSettings())
+    codes = []
+    for step, (x, is_pressed) in enumerate([
+            (-0.37, True), (-0.375, False), (-0.38, True), (-0.41, True), (-0.42, False),
+            (-0.44, True), (-0.45, True)]):
+        perception.update(Observation(
+            0.1 * step, Odometry(0.1 * step, Pose(x, 0.0, 0.0), STOP), ObjectPose(0.0, ORIGIN),
+            is_bumper_pressed=is_pressed))
+        failure = retreat.on_bumped(perception) if perception.has_bumped else None
+        codes.append(failure and failure.code)
+        retreat.step(perception, 0.1)
+    assert codes == [None] * 5 + [BehaviorFailure.BUMPED, None]
