@@ -43,6 +43,8 @@ def compute(values: Values, _: RunJobs) -> Outcome:
         'arm': Finding(arm, 'm', 'distance of the centre of friction from the face'),
         'small_left': Finding(float(table['most_left_rad'][0]), 'rad', 'greatest rotation to the '
                               'left on the smallest robot'),
+        'most_left': Finding(float(table['most_left_rad'][table['radius_m'] < arm].max()), 'rad',
+                             'the same on any robot below the distance of the centre'),
         'large_left': Finding(float(table['most_left_rad'][-1]), 'rad', 'the same on the largest'),
         'worst_radius': Finding(float(table['radius_m'][worst]), 'm', 'radius of the robot that '
                                 'takes longest'),
@@ -100,8 +102,9 @@ PARAMETERS = (*SETUP, SPEED, SEGMENTS, Parameter('radii', 'm', 'radii of the rob
 STUDIES = (
     Study('3.10', 'Curved pusher: trajectories for several radii of the robot', PARAMETERS,
           compute, draw_paths,
-          'To a goal on the left, robots below {arm:.2f} m rotate the box to the left (by up to '
-          '{small_left:.2f} rad), larger ones only to the right.',
+          'To a goal on the left, robots below {arm:.2f} m rotate the box to the left (by '
+          '{small_left:.2f} rad the smallest, by up to {most_left:.2f} rad), larger ones only to '
+          'the right.',
           'Beyond that radius the contact rolls further than the centre of friction '
           'swings.', (7.6, 6.0)),
     Study('3.11', 'Curved pusher: inputs for several radii of the robot', PARAMETERS,

@@ -10,10 +10,11 @@ from studies.chapter3.setup import contact_on_face, GOAL, POSE_COLUMNS
 from studies.chapter4.disturbances_figure import (
     draw_centers, draw_inputs, draw_objects, EndTime,
 )
+from studies.chapter4.drawn_intervals import DRAWN, DrawnIntervals
 from studies.chapter4.repeated_push import COLUMNS, median_findings, repeat, RepeatedPush
 from studies.chapter4.setup import (
-    ExecutedPush, FEEDBACK, LABELS, Law, MPC, NO_JUMP_TEST, OBJECT_FRAME, ONE_PATH, OPEN_LOOP,
-    push, PushSetup, SETUP, TIME_LIMIT, total_variation,
+    DIPOLE, ExecutedPush, FEEDBACK, FORCE_ANGLE, KEPT_PATH, LABELS, Law, MPC, NO_JUMP_TEST,
+    OBJECT_FRAME, OPEN_LOOP, push, PushSetup, REPLANNED, SETUP, TIME_LIMIT, total_variation,
 )
 from studies.chapter4.support_friction import (
     angle_to_friction_center, draw_coefficients, friction_interval, friction_table,
@@ -25,10 +26,9 @@ from studies.framework.study import Finding, Outcome, RunJobs, Study, Table
 LAST_DISTANCE = 0.3
 MILLIMETRES = 1000.0
 CENTIMETRES = 100.0
-LAWS: tuple[Law, ...] = (OPEN_LOOP, OBJECT_FRAME, FEEDBACK, MPC, NO_JUMP_TEST)
-# Laws whose pushes depend on the errors of the sensors, and are repeated with others.
-REPEATED: tuple[Law, ...] = (FEEDBACK, MPC, NO_JUMP_TEST)
-SEEDS = Parameter('seeds', '', 'number of pushes under each law, with other sensor errors')
+LAWS: tuple[Law, ...] = (OPEN_LOOP, OBJECT_FRAME, REPLANNED, FEEDBACK, MPC, NO_JUMP_TEST)
+# Laws under which the box is pushed on each drawn disturbance.
+REPEATED: tuple[Law, ...] = (OPEN_LOOP, REPLANNED, FEEDBACK, FORCE_ANGLE, DIPOLE)
 SUSTAINED_PARAMETERS = (
     *SETUP, GOAL, Parameter('side', '', 'side whose support points change'),
     Parameter('factor', '', 'factor on the friction of these support points'),
@@ -113,23 +113,37 @@ def _compute_paths(end_time: EndTime, values: Values, _: RunJobs) -> Outcome:
 
 
 def _compute_ends(end_time: EndTime, values: Values, run_jobs: RunJobs) -> Outcome:
-    """Push under all laws, under those that measure with other errors of the sensors as well."""
+    """Push under all laws, and on drawn disturbances under those of ``REPEATED``."""
     outcome = _compute_paths(end_time, values, run_jobs)
-    repeated = RepeatedPush(PushSetup.of(values), tuple(values.goal),
-                            disturbance(end_time, values))
+    drawn = DrawnIntervals.of(values, is_sustained=end_time is sustained_end)
+    repeated = RepeatedPush(PushSetup.of(values), tuple(values.goal), drawn)
     ends = repeat(repeated, REPEATED, int(values.seeds), run_jobs)
     findings = {**outcome.findings, 'pushes': Finding(float(values.seeds), '',
                                                       'number of pushes under each law')}
     for law in REPEATED:
-        findings.update(median_findings(
-            f'median_{law}', CENTIMETRES * ends[f'{law}_{COLUMNS[0]}'], 'cm',
-            f'median distance from the goal, {LABELS[law]}'))
-    return Outcome({**outcome.tables, 'ends': ends}, findings)
+        errors = CENTIMETRES * ends[f'{law}_{COLUMNS[0]}']
+        findings.update(median_findings(f'median_{law}', errors, 'cm', 'median distance from the '
+                                        f'goal on drawn disturbances, {LABELS[law]}'))
+        findings[f'worst_{law}'] = Finding(float(errors.max()), 'cm', 'largest')
+    return Outcome({**outcome.tables, 'ends': ends}, findings, _ends_table(ends, findings))
+
+
+def _ends_table(ends: Table, findings: dict[str, Finding]) -> Table:
+    """Tabulate the ends of all pushes by law."""
+    medians = [findings[f'median_{law}'].value for law in REPEATED]
+    lows, highs, worst = ([findings[name.format(law)].value for law in REPEATED] for name in (
+        'median_{}_low', 'median_{}_high', 'worst_{}'))
+    headings = [float(np.median(np.abs(ends[f'{law}_{COLUMNS[1]}']))) for law in REPEATED]
+    return {'law': [LABELS[law] for law in REPEATED],
+            'distance from the goal: median [cm]': [f'{median:.1f}' for median in medians],
+            '95 % interval': [f'{low:.1f} to {high:.1f}' for low, high in zip(lows, highs)],
+            'largest': [f'{value:.1f}' for value in worst],
+            'median heading error [rad]': [f'{value:.2f}' for value in headings]}
 
 
 def _compute_input(end_time: EndTime, values: Values, _: RunJobs) -> Outcome:
     """Push under all laws, and find out what the pushing angle does."""
-    pushes = _pushes(end_time, values, (*LAWS, ONE_PATH))
+    pushes = _pushes(end_time, values, (*LAWS, KEPT_PATH))
     friction = _friction(end_time, values, pushes)
     tables: dict[str, Table] = {law: executed.path for law, executed in pushes.items()}
     path = tables[FEEDBACK]
@@ -178,7 +192,7 @@ def _studies(first: int, kind: str, parameters: tuple[Parameter, ...], end_time:
         ('coefficients over time', parameters, _compute_friction, draw_coefficients, (6.4, 4.2)),
         ('trajectory of the centre', parameters, _compute_paths,
          functools.partial(draw_centers, end_time), (7.0, 4.0)),
-        ('object trajectory', (*parameters, SEEDS), _compute_ends, draw_objects, (6.8, 6.4)),
+        ('object trajectory', (*parameters, *DRAWN), _compute_ends, draw_objects, (6.8, 6.4)),
         ('input', parameters, _compute_input, functools.partial(draw_inputs, end_time),
          (7.4, 5.4)))
     return tuple(Study(f'4.{number}', f'A {kind} disturbance: {title}', fields,
@@ -194,42 +208,45 @@ TEMPORARY = _studies(8, 'temporary', TEMPORARY_PARAMETERS, temporary_end, (
             'Two of four points with k times the friction move it by (k - 1) / (k + 1) of their '
             'distance.'),
     Caption('The open loop ends {open_loop:.0f} cm from the goal in the world, {object_frame:.0f} '
-            'cm in the frame of the object. With feedback the box deviates by {deviation:.0f} cm '
-            'and ends {feedback:.1f} cm from the goal (mpc: {mpc:.1f} cm).',
+            'cm in the frame of the object. Planned every 0.5 s the push ends at {replanned:.1f} '
+            'cm. With feedback the box deviates by {deviation:.0f} cm and ends at {feedback:.1f} '
+            'cm (mpc: {mpc:.1f} cm).',
             'Friction is nominal again long before the goal.'),
-    Caption('In the world the box rotates by {heading_open_loop:.1f} rad, in its own frame by '
-            '{heading_object_frame:.1f} rad. Medians of {pushes:.0f} pushes with other sensor '
-            'errors: feedback {median_feedback:.1f} cm (95% interval {median_feedback_low:.1f} to '
-            '{median_feedback_high:.1f}), mpc {median_mpc:.1f} cm, without a test for jumps '
-            '{median_no_jump_test:.1f} cm.',
-            'The centre of friction is {arm:.1f} m from the contact, the centre of the robot only '
-            '{radius:.1f} m: rotations grow.'),
+    Caption('In open loop the box rotates by {heading_open_loop:.1f} rad: the centre of friction '
+            'is {arm:.1f} m from the contact, the centre of the robot only {radius:.1f} m. '
+            '{pushes:.0f} more disturbances have a drawn side, factor, start and interval. Their '
+            'median push ends {median_feedback:.1f} cm from the goal under feedback, '
+            '{median_replanned:.1f} cm if planned every 0.5 s, {median_open_loop:.0f} cm in open '
+            'loop.',
+            'Force angle and dipole, laws of other authors, know true force and true poses and '
+            'steer the position alone.'),
     Caption('Feedback swings to {peak_feedback:.1f} rad and back, to {final_rho:.2f} rad at the '
             'goal. Its angle varies by {variation_feedback:.1f} rad with {new_paths_feedback:.0f} '
-            'new paths, by {variation_one_path:.1f} rad with one, by '
-            '{variation_no_jump_test:.1f} rad with {new_paths_no_jump_test:.0f} and no test for '
-            'jumps.',
-            'Each spike is the turn of a new path (triangles), at most every 0.5 s.')))
+            'new paths (triangles). With three times the threshold there are '
+            '{new_paths_kept_path:.0f} and {variation_kept_path:.1f} rad, with no test for jumps '
+            '{new_paths_no_jump_test:.0f} and {variation_no_jump_test:.1f} rad.',
+            'Each spike is the turn of a new path, at most every 0.5 s.')))
 SUSTAINED = _studies(12, 'sustained', SUSTAINED_PARAMETERS, sustained_end, (
     Caption('From {start_time:.0f} s on, one side has {factor:.1f} times the friction. The centre '
             'of friction moves by {shift:.1f} cm to the left.',
             'The planner assumes it in the middle, {arm:.1f} m ahead of the contact.'),
     Caption('The open loop ends {open_loop:.0f} cm from the goal in the world, {object_frame:.0f} '
-            'cm in the frame of the object. Feedback deviates by {deviation:.0f} cm and ends at '
-            '{feedback:.1f} cm (mpc: {mpc:.1f} cm), without a test for jumps at '
-            '{no_jump_test:.1f} cm.',
-            'That test notices within half a second that the box rotates otherwise.'),
+            'cm in the frame of the object, planned every 0.5 s {replanned:.0f} cm. Feedback '
+            'deviates by {deviation:.0f} cm and ends at {feedback:.1f} cm (mpc: {mpc:.1f} cm), '
+            'without a test for jumps at {no_jump_test:.1f} cm.',
+            'That test notices within half a second that the box rotates otherwise; the planner '
+            'goes on with the nominal friction.'),
     Caption('In open loop the box rotates by {heading_open_loop:.1f} rad in the world, '
-            '{heading_object_frame:.1f} rad in its own frame. Medians of {pushes:.0f} pushes with '
-            'other sensor errors: feedback {median_feedback:.1f} cm (95% interval '
-            '{median_feedback_low:.1f} to {median_feedback_high:.1f}), mpc {median_mpc:.1f} cm, '
-            'without a test for jumps {median_no_jump_test:.1f} cm '
-            '({median_no_jump_test_low:.1f} to {median_no_jump_test_high:.1f}).',
-            'The error depends on how soon feedback knows the centre of friction.'),
+            '{heading_object_frame:.1f} rad in its own frame. The {pushes:.0f} disturbances are '
+            'those of 4.10, without an end. Their median push ends {median_feedback:.1f} cm from '
+            'the goal under feedback, {median_replanned:.1f} cm if planned every 0.5 s, '
+            '{median_open_loop:.0f} cm in open loop.',
+            'Feedback learns the centre of friction.'),
     Caption('Feedback ends at {final_rho:.2f} rad over the last {last:.1f} m, where the centre of '
             'friction is at {aim:.2f} rad; its contact has rolled {rolled:.1f} cm. Its angle '
-            'varies by {variation_feedback:.1f} rad with {new_paths_feedback:.0f} new paths, by '
-            '{variation_one_path:.1f} rad with one, by {variation_no_jump_test:.1f} rad with '
-            '{new_paths_no_jump_test:.0f} and no test for jumps.',
+            'varies by {variation_feedback:.1f} rad with {new_paths_feedback:.0f} new paths. With '
+            'three times the threshold there are {new_paths_kept_path:.0f} and '
+            '{variation_kept_path:.1f} rad, with no test for jumps {new_paths_no_jump_test:.0f} '
+            'and {variation_no_jump_test:.1f} rad.',
             'The contact rolls until it is behind the centre of friction.')))
 STUDIES = TEMPORARY + SUSTAINED

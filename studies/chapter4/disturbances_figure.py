@@ -9,8 +9,8 @@ from push_model.geometry import Pose
 from studies.chapter3.setup import draw_center, draw_outlines, poses_at
 from studies.chapter4.random_friction import draw_ends, mark_new_paths
 from studies.chapter4.setup import (
-    draw_angle, FEEDBACK, LABELS, Law, MPC, NO_JUMP_TEST, OBJECT_FRAME, ONE_PATH, OPEN_LOOP,
-    STYLES,
+    DIPOLE, draw_angle, FEEDBACK, FORCE_ANGLE, KEPT_PATH, LABELS, Law, MPC, NO_JUMP_TEST,
+    OBJECT_FRAME, OPEN_LOOP, REPLANNED, STYLES,
 )
 from studies.framework import plot_style
 from studies.framework.box import box
@@ -19,9 +19,14 @@ from studies.framework.study import Outcome
 
 # Chosen: poses at which the box is drawn.
 OUTLINES = 6
-# By panel: (a) the optimiser's plan, (b) feedback.
-PANELS: tuple[tuple[Law, ...], ...] = ((OPEN_LOOP, OBJECT_FRAME), (FEEDBACK, MPC, NO_JUMP_TEST))
-TITLES = ('optimiser, open loop', 'feedback')
+# By panel: (a) the optimiser, (b) feedback.
+PANELS: tuple[tuple[Law, ...], ...] = (
+    (OPEN_LOOP, OBJECT_FRAME, REPLANNED), (FEEDBACK, MPC, NO_JUMP_TEST))
+# Of drawn disturbances.
+ENDS: tuple[Law, ...] = (OPEN_LOOP, REPLANNED, FEEDBACK, FORCE_ANGLE, DIPOLE)
+# Those whose box is drawn.
+OUTLINED: tuple[tuple[Law, ...], ...] = ((OPEN_LOOP, REPLANNED), (FEEDBACK, MPC))
+TITLES = ('optimiser', 'feedback')
 # When the disturbance ends [s].
 EndTime = Callable[[Values], float]
 
@@ -50,12 +55,12 @@ def draw_centers(end_time: EndTime, figure: Figure, outcome: Outcome, values: Va
 def draw_objects(figure: Figure, outcome: Outcome, values: Values) -> None:
     """Draw the box on its path, in the panels of ``draw_centers``, and the ends of all pushes."""
     # Figures of their own, so that the labels of one do not narrow the other.
-    above, below = figure.subfigures(2, 1, height_ratios=(1.9, 1.0))
+    above, below = figure.subfigures(2, 1, height_ratios=(1.6, 1.0))
     obj = box(values)
-    for letter, axes, laws, title in zip('ab', above.subplots(2, 1, sharex=True, sharey=True),
-                                         PANELS, TITLES):
+    panels = above.subplots(2, 1, sharex=True, sharey=True)
+    for letter, axes, laws, title in zip('ab', panels, OUTLINED, TITLES):
         draw_outlines(axes, obj, [Pose(0.0, 0.0, 0.0), Pose(*values.goal)])
-        for law in laws[:2]:
+        for law in laws:
             path = outcome.tables[law]
             poses = poses_at(path, np.linspace(0.0, path['time_s'][-1], OUTLINES))
             for pose in poses[1:]:
@@ -67,7 +72,7 @@ def draw_objects(figure: Figure, outcome: Outcome, values: Values) -> None:
         axes.yaxis.set_major_locator(MultipleLocator(0.5))
         axes.label_outer()
         axes.legend(loc='upper left', bbox_to_anchor=(1.0, 1.0))
-    draw_ends(below.subplots(), outcome.tables['ends'], PANELS[1])
+    draw_ends(below.subplots(), outcome.tables['ends'], ENDS)
 
 
 def draw_inputs(end_time: EndTime, figure: Figure, outcome: Outcome, values: Values) -> None:
@@ -78,9 +83,9 @@ def draw_inputs(end_time: EndTime, figure: Figure, outcome: Outcome, values: Val
     """
     path = outcome.tables[FEEDBACK]
     panels = figure.subplots(3, 1, sharex=True)
-    last = max(outcome.tables[law]['time_s'][-1] for law in (FEEDBACK, OPEN_LOOP))
-    rows: tuple[tuple[Law, ...], ...] = ((FEEDBACK, MPC), (NO_JUMP_TEST, ONE_PATH),
-                                         (OPEN_LOOP, OBJECT_FRAME))
+    last = max(outcome.tables[law]['time_s'][-1] for law in (FEEDBACK, REPLANNED, OPEN_LOOP))
+    rows: tuple[tuple[Law, ...], ...] = ((FEEDBACK, MPC), (NO_JUMP_TEST, KEPT_PATH),
+                                         (REPLANNED, OPEN_LOOP))
     for axes, laws in zip(panels, rows):
         axes.axvspan(values.start_time, min(last, end_time(values)), color=plot_style.LIGHT,
                      alpha=0.6, linewidth=0.0, label='disturbed')
@@ -89,7 +94,7 @@ def draw_inputs(end_time: EndTime, figure: Figure, outcome: Outcome, values: Val
                       label='towards the centre of friction')
         for law in laws:
             draw_angle(axes, outcome.tables[law], 'time_s', law)
-        if laws[0] != OPEN_LOOP:
+        if laws[0] != REPLANNED:
             mark_new_paths(axes, outcome.tables[laws[0]])
         axes.set_ylabel('$\\rho$ [rad]')
         axes.label_outer()

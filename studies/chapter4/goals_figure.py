@@ -5,7 +5,8 @@ import numpy as np
 from push_model.geometry import Pose
 from studies.chapter3.setup import draw_center, draw_outlines, draw_push, poses_at
 from studies.chapter4.setup import (
-    draw_angle, FEEDBACK, LABELS, Law, MPC, OBJECT_FRAME, OPEN_LOOP, OWN_PATH, STYLES,
+    draw_angle, FEEDBACK, KEPT_PATH, LABELS, Law, MPC, OBJECT_FRAME, OPEN_LOOP, OWN_PATH,
+    REPLANNED, STYLES,
 )
 from studies.framework import plot_style
 from studies.framework.box import box
@@ -21,13 +22,12 @@ NARROW = 0.4
 # Chosen: height of a legend in a narrow panel [m].
 LEGEND_ROOM = 0.4
 # By panel: (a) optimiser, (b) feedback law; the first of each is drawn with its pushes.
-PANELS: tuple[tuple[Law, ...], ...] = ((OPEN_LOOP, OBJECT_FRAME), (OWN_PATH,))
-TITLES = ('optimiser, in open loop', 'feedback law, path of its own')
-INPUT_LAWS: tuple[Law, ...] = (OWN_PATH, FEEDBACK, MPC)
-INPUT_STYLES = {OWN_PATH: STYLES[OWN_PATH], FEEDBACK: STYLES[OPEN_LOOP], MPC: STYLES[MPC]}
-GOAL_LAWS: tuple[Law, ...] = (OPEN_LOOP, FEEDBACK, OWN_PATH, MPC)
-GOAL_STYLES = {OPEN_LOOP: STYLES[OPEN_LOOP], FEEDBACK: STYLES[FEEDBACK],
-               OWN_PATH: STYLES[OBJECT_FRAME], MPC: STYLES[MPC]}
+PANELS: tuple[tuple[Law, ...], ...] = (
+    (REPLANNED, OPEN_LOOP, OBJECT_FRAME), (OWN_PATH,))
+TITLES = ('optimiser', 'feedback law, path of its own')
+INPUT_LAWS: tuple[Law, ...] = (REPLANNED, FEEDBACK, KEPT_PATH, MPC)
+GOAL_LAWS: tuple[Law, ...] = (OPEN_LOOP, REPLANNED, FEEDBACK, OWN_PATH, KEPT_PATH, MPC)
+GOAL_STYLES = {**STYLES, OWN_PATH: STYLES[OBJECT_FRAME]}
 
 
 def draw_goals(figure: Figure, outcome: Outcome, values: Values) -> None:
@@ -60,7 +60,10 @@ def draw_path(figure: Figure, outcome: Outcome, values: Values) -> None:
             draw_push(axes, path, time, float(angle))
         axes.set_title(f'({letter}) {title}', loc='left')
         axes.label_outer()
-        axes.legend(loc='upper left' if count == 2 else 'best')
+        if count == 2:
+            axes.legend(loc='upper left')
+        else:
+            axes.legend(loc='upper left', bbox_to_anchor=(1.0, 1.0))
     if count == 2:
         # Room for the legends.
         panels[0].set_ylim(top=panels[0].get_ylim()[1] + LEGEND_ROOM)
@@ -74,8 +77,8 @@ def draw_input(figure: Figure, outcome: Outcome, _: Values) -> None:
                label='optimiser')
     for law in INPUT_LAWS:
         path = outcome.tables[law]
-        draw_angle(above, path, 'distance_m', law, **INPUT_STYLES[law])
-        below.plot(path['time_s'], path['speed_m_s'], **INPUT_STYLES[law])
+        draw_angle(above, path, 'distance_m', law)
+        below.plot(path['time_s'], path['speed_m_s'], **STYLES[law])
     path = outcome.tables[OPEN_LOOP]
     below.plot(path['time_s'], path['speed_m_s'], color=plot_style.LIGHT, linewidth=5.0,
                zorder=1.0)

@@ -6,7 +6,6 @@ nothing is done about where the object is; but as the object rotates, so does th
 needs to know how the object lies on it, which an ideal sensor in its bumper reports here.
 """
 
-
 import numpy as np
 from push_control.steered.laws.command import contact_speed, holonomic_command
 from push_model.geometry import FloatArray, wrap_angles
@@ -14,11 +13,8 @@ from push_model.observation import Observation
 from push_model.signals import STOP, Twist
 from push_model.trajectory import PushTrajectory
 from push_scenario.definition.scenario import Scenario
-from push_scenario.simulation.loop import (
-    ClosedLoop, first_observation, make_safety_layer, make_simulation)
-from push_scenario.simulation.result import Outcome, RunResult
+from push_scenario.simulation.result import Outcome
 from push_scenario.simulation.robot_control import Ending, SinglePushControl
-from push_scenario.simulation.start import place_robot
 from push_sim_node.simulation import Simulation
 
 
@@ -45,11 +41,15 @@ class ObjectFrameInput(SinglePushControl):
         plan = self._plan
         if plan is None:
             raise ValueError('goal: got one that the object has reached, expected another')
+        self._elapsed = 0.0
+        self._play(plan)
+
+    def _play(self, plan: PushTrajectory) -> None:
+        """Take up a plan, at its start."""
         self._speeds = np.hypot(*plan.contact_twists[:, :2].T)
         self._distances = travelled_distances(plan)
         self._angles = pushing_angles(plan)
         self._distance = 0.0
-        self._elapsed = 0.0
 
     def step(self, observation: Observation, dt: float) -> Twist:
         """Play the input on; see ``RobotControl``."""
@@ -72,27 +72,6 @@ class ObjectFrameInput(SinglePushControl):
     @property
     def _is_finished(self) -> bool:
         return self._distance >= self._distances[-1] - self._settings.stop_distance
-
-
-def simulate_in_object_frame(scenario: Scenario) -> RunResult:
-    """
-    Simulate a push whose plan is played in the object's frame.
-
-    :param scenario: the ``Scenario``, of one push.
-    :return: the ``RunResult``.
-    :raises PlanningFailed: where there is no plan.
-    """
-    scenario = place_robot(scenario)
-    simulation = make_simulation(scenario)
-    observation = first_observation(simulation)
-    robot = ObjectFrameInput(scenario, observation, simulation)
-    loop = ClosedLoop(simulation, robot, make_safety_layer(scenario), observation)
-    ending = loop.run(scenario.time_limit)
-    duration = simulation.time
-    record = robot.record(ending, duration)
-    loop.settle()
-    return RunResult(scenario, 'object_frame', ending.outcome, ending.reason, simulation.tape,
-                     duration, codes=ending.codes, **record._asdict())
 
 
 def pushing_angles(planned: PushTrajectory) -> FloatArray:

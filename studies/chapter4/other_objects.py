@@ -12,7 +12,7 @@ from push_model.parameters import Contact
 from push_scenario.definition.placement import Placement
 from push_scenario.definition.scenario import Start
 from studies.chapter4.random_friction import CENTIMETRES, draw_ends
-from studies.chapter4.repeated_push import COLUMNS, repeat, RepeatedPush
+from studies.chapter4.repeated_push import COLUMNS, GaussianFriction, repeat, RepeatedPush
 from studies.chapter4.setup import FEEDBACK, LABELS, Law, MPC, OPEN_LOOP, PushSetup
 from studies.framework.parameters import Parameter, Values
 from studies.framework.study import Finding, Outcome, RunJobs, Study
@@ -68,8 +68,8 @@ def repeated_push(name: str, values: Values) -> RepeatedPush:
     setup = PushSetup(read_object(data.config_file(f'objects/{chosen.object_name}.yaml')),
                       read_robot(data.config_file(f'robots/{chosen.robot_name}.yaml')),
                       values.speed, values.sensors, chosen.start)
-    return RepeatedPush(setup, tuple(chosen.goal), deviation=values.deviation,
-                        period=values.period)
+    return RepeatedPush(setup, tuple(chosen.goal), GaussianFriction(
+        values.deviation, values.period, len(setup.object.supports)))
 
 
 def compute(values: Values, run_jobs: RunJobs) -> Outcome:

@@ -1,7 +1,7 @@
 """Pushes that are repeated with other random numbers, and how far from the goal they end."""
 
 import dataclasses
-from typing import Any, NamedTuple, Sequence
+from typing import Any, NamedTuple, Protocol, Sequence
 
 import numpy as np
 from push_model.geometry import FloatArray
@@ -20,27 +20,53 @@ COLUMNS = ('position_error_m', 'heading_error_rad', 'duration_s', 'variation_rad
 CONFIDENCE = 0.95
 
 
+class FrictionSource(Protocol):
+    """Gives the changes of the friction of one push; it can be pickled."""
+
+    def __call__(self, seed: int, /) -> tuple[FrictionChange, ...]:
+        """
+        Draw the changes.
+
+        :param seed: of the push.
+        :return: all changes.
+        """
+        ...
+
+
+@dataclasses.dataclass(frozen=True)
+class GaussianFriction:
+    """
+    Random friction of every support, again and again; a ``FrictionSource``.
+
+    :param deviation: standard deviation over the nominal friction.
+    :param period: between draws [s].
+    :param supports: number of support points.
+    """
+
+    deviation: float
+    period: float
+    supports: int
+
+    def __call__(self, seed: int, /) -> tuple[FrictionChange, ...]:
+        """Draw the changes; see ``gaussian_friction``."""
+        return gaussian_friction(seed, self.deviation, self.period, DISTURBED_TIME, self.supports)
+
+
 @dataclasses.dataclass(frozen=True)
 class RepeatedPush:
     """
-    A push that is repeated: with other errors of the sensors, and other random friction.
+    A push that is repeated: with other errors of the sensors, and other changes of the friction.
 
     A job is a dict with ``law`` and ``seed``. A record has the columns ``COLUMNS``.
 
     :param setup: what is pushed.
     :param goal: (x, y, theta) [m, rad].
-    :param changes: of the friction, the same in all pushes.
-    :param deviation: of the random friction of every support over its nominal value.
-    :param period: between its draws [s]; 0 for none.
-    :param variation_start: time from which on changes of the pushing angle count [s].
+    :param friction: gives the changes of the friction of a push.
     """
 
     setup: PushSetup
     goal: tuple[float, ...]
-    changes: tuple[FrictionChange, ...] = ()
-    deviation: float = 0.0
-    period: float = 0.0
-    variation_start: float = 0.0
+    friction: FrictionSource
 
     @classmethod
     def of_gaussian(cls, values: Values) -> 'RepeatedPush':
@@ -50,20 +76,9 @@ class RepeatedPush:
         :param values: with ``goal``, ``deviation``, ``period`` and the parameters of the setup.
         :return: the push.
         """
-        return cls(PushSetup.of(values), tuple(values.goal), deviation=values.deviation,
-                   period=values.period)
-
-    def friction(self, seed: int) -> tuple[FrictionChange, ...]:
-        """
-        Draw the changes of the friction.
-
-        :param seed: of the draws.
-        :return: all changes.
-        """
-        if not self.period:
-            return self.changes
-        return self.changes + gaussian_friction(seed, self.deviation, self.period, DISTURBED_TIME,
-                                                len(self.setup.object.supports))
+        setup = PushSetup.of(values)
+        return cls(setup, tuple(values.goal), GaussianFriction(
+            values.deviation, values.period, len(setup.object.supports)))
 
     def __call__(self, job: dict[str, Any]) -> Record:
         """
@@ -75,8 +90,7 @@ class RepeatedPush:
         executed = simulated(self.setup, self.goal, job['law'], self.friction(job['seed']),
                              job['seed'])
         return dict(zip(COLUMNS, (executed.position_error, executed.heading_error,
-                                  executed.duration,
-                                  total_variation(executed.path, self.variation_start))))
+                                  executed.duration, total_variation(executed.path))))
 
 
 def repeat(repeated: RepeatedPush, laws: Sequence[Law], count: int, run_jobs: RunJobs) -> Table:

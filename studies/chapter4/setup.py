@@ -3,63 +3,81 @@
 import dataclasses
 import functools
 import math
-from typing import Any, Literal, NamedTuple, Sequence
+from typing import Any, Callable, Literal, NamedTuple, Sequence
 
 from matplotlib.axes import Axes
 import numpy as np
 from push_control.settings import ControlSettings
 from push_control.task.supervisor import Supervisor
+from push_model.observation import Observation
 from push_model.parameters import Contact, PushedObject, RoundRobot
 from push_model.trajectory import PushTrajectory
 from push_planner.problem import PlannerSettings
 from push_scenario.definition.scenario import Placement, Scenario, Start
 from push_scenario.evaluation.metrics import measure
-from push_scenario.simulation.loop import simulate
+from push_scenario.simulation.loop import (
+    first_observation, make_simulation, run_robot, simulate,
+)
+from push_scenario.simulation.result import RunResult
+from push_scenario.simulation.robot_control import RobotControl
+from push_scenario.simulation.start import place_robot
 from push_sim_node.disturbance import FrictionChange
 from push_sim_node.sensors import SensorSettings
 from push_sim_node.simulation import Simulation, SimulationSettings
 from push_sim_node.tape import Tape
 from studies.chapter3.setup import PATH_COLUMNS
 from studies.chapter4.object_frame_input import (
-    pushing_angles, simulate_in_object_frame, travelled_distances)
+    ObjectFrameInput, pushing_angles, travelled_distances)
+from studies.chapter4.published_laws import DipoleLaw, ForceAngleLaw
+from studies.chapter4.replanned_input import ReplannedInput
 from studies.framework import plot_style
 from studies.framework.box import BOX, box, REAR_FACE
 from studies.framework.parameters import Parameter, Values
 from studies.framework.study import Table
 
-Law = Literal['open_loop', 'object_frame', 'feedback', 'own_path', 'mpc', 'one_path',
-              'no_jump_test']
-# The plan, played in the world and in the object's frame.
+Law = Literal['open_loop', 'object_frame', 'replanned', 'feedback', 'own_path', 'kept_path', 'mpc',
+              'no_jump_test', 'force_angle', 'dipole']
+# The plan, played in the world and in the object's frame, and planned again all the time.
 OPEN_LOOP: Law = 'open_loop'
 OBJECT_FRAME: Law = 'object_frame'
+REPLANNED: Law = 'replanned'
 # Both laws on the planned path, with the default settings of the controller.
 FEEDBACK: Law = 'feedback'
 MPC: Law = 'mpc'
-# The same feedback on a path of its own from the first step on; with no more than one new path;
-# and with a filter that does not test for jumps of the centre of friction.
+# The same feedback on a path of its own from the first step on; with a plan that it keeps; and
+# with a filter that does not test for jumps of the centre of friction.
 OWN_PATH: Law = 'own_path'
-ONE_PATH: Law = 'one_path'
+KEPT_PATH: Law = 'kept_path'
 NO_JUMP_TEST: Law = 'no_jump_test'
+# Of other authors.
+FORCE_ANGLE: Law = 'force_angle'
+DIPOLE: Law = 'dipole'
 LABELS: dict[Law, str] = {
     OPEN_LOOP: 'open loop, in the world', OBJECT_FRAME: "open loop, in the object's frame",
+    REPLANNED: 'planned every 0.5 s',
     FEEDBACK: 'feedback', MPC: 'mpc', OWN_PATH: 'feedback, path of its own',
-    ONE_PATH: 'feedback, at most one new path',
-    NO_JUMP_TEST: 'feedback, no test for jumps'}
+    KEPT_PATH: 'feedback, threefold threshold',
+    NO_JUMP_TEST: 'feedback, no test for jumps', FORCE_ANGLE: 'force angle', DIPOLE: 'dipole'}
 STYLES: dict[Law, dict[str, Any]] = {
     FEEDBACK: plot_style.series(0), OPEN_LOOP: plot_style.series(1),
     OBJECT_FRAME: plot_style.series(3), MPC: plot_style.series(2),
-    OWN_PATH: plot_style.series(0), ONE_PATH: plot_style.series(4),
-    NO_JUMP_TEST: plot_style.series(5)}
+    OWN_PATH: plot_style.series(0), KEPT_PATH: plot_style.series(4),
+    NO_JUMP_TEST: plot_style.series(5), REPLANNED: plot_style.series(5),
+    FORCE_ANGLE: plot_style.series(4), DIPOLE: plot_style.series(3)}
 # Fields of ``ControlSettings`` that differ from their defaults. A path of its own is drawn as soon
 # as there is any error, which is at once, and none after it.
 CONTROL: dict[Law, dict[str, Any]] = {
-    OPEN_LOOP: {'control_law': 'open_loop'}, OBJECT_FRAME: {}, FEEDBACK: {},
-    MPC: {'control_law': 'mpc'},
+    OPEN_LOOP: {'control_law': 'open_loop'}, FEEDBACK: {}, MPC: {'control_law': 'mpc'},
     OWN_PATH: {'replan_min_distance': 0.0, 'replan_lateral_error': 1e-3, 'replan_period': 60.0,
                'replan_length_ratio': 10.0},
-    ONE_PATH: {'replan_period': 60.0},
+    # Chosen: three times the defaults, more than the errors of the sensors amount to.
+    KEPT_PATH: {'replan_lateral_error': 0.09, 'replan_heading_error': 0.15},
     # Chosen: more than the innovations of any push sum up to.
     NO_JUMP_TEST: {'jump_threshold': 1000.0}}
+# What commands the robot in place of the controller.
+MakeInput = Callable[[Scenario, Observation, Simulation], RobotControl]
+INPUTS: dict[Law, MakeInput] = {OBJECT_FRAME: ObjectFrameInput, REPLANNED: ReplannedInput,
+                                FORCE_ANGLE: ForceAngleLaw, DIPOLE: DipoleLaw}
 # Errors of the sensors by name: those of benchmarks/controller/cases.py, or none.
 SENSORS = {
     'benchmark': SensorSettings(
@@ -165,7 +183,7 @@ def simulated(setup: PushSetup, goal: Sequence[float], law: Law,
     if setup.sensors not in SENSORS:
         raise ValueError(f'sensors: got {setup.sensors!r}, expected one of {", ".join(SENSORS)}')
     control = ControlSettings(position_tolerance=NO_TOLERANCE, heading_tolerance=NO_TOLERANCE,
-                              **CONTROL[law])
+                              **CONTROL.get(law, {}))
     return _simulate(Scenario(
         name='push', description='push of a study', object=setup.object,
         true_object=setup.object, robot=setup.robot, true_robot=setup.robot,
@@ -173,19 +191,19 @@ def simulated(setup: PushSetup, goal: Sequence[float], law: Law,
         planner=PlannerSettings(pushing_speed=setup.speed), control=control,
         sensors=SENSORS[setup.sensors], time_limit=TIME_LIMIT,
         simulation=SimulationSettings(step=STEP, seed=seed, friction_changes=tuple(changes))),
-        law == OBJECT_FRAME)
+        INPUTS.get(law))
 
 
 # The figures of a push share it. Chosen: more than the pushes that figures share.
 @functools.lru_cache(maxsize=128)
-def _simulate(scenario: Scenario, in_object_frame: bool) -> ExecutedPush:
+def _simulate(scenario: Scenario, make_input: MakeInput | None) -> ExecutedPush:
     new_paths: list[tuple[float, int]] = [(0.0, 0)]
 
     def count_paths(simulation: Simulation, supervisor: Supervisor) -> None:
         new_paths.append((simulation.time, supervisor.status.push.path_replans))
 
-    result = (simulate_in_object_frame(scenario) if in_object_frame
-              else simulate(scenario, intervene=count_paths))
+    result = (simulate(scenario, intervene=count_paths) if make_input is None
+              else _simulate_input(scenario, make_input))
     metrics = measure(result)
     if result.tape is None or result.plan is None or metrics is None:
         raise ValueError(f'goal: got {scenario.goal}, expected one that can be reached: '
@@ -195,6 +213,15 @@ def _simulate(scenario: Scenario, in_object_frame: bool) -> ExecutedPush:
     path['new_paths'] = counts[np.searchsorted(times, path['time_s'], side='right') - 1]
     return ExecutedPush(path, result.plan, metrics.position_error, metrics.heading_error,
                         result.duration)
+
+
+def _simulate_input(scenario: Scenario, make_input: MakeInput) -> RunResult:
+    """Simulate what is no law of the controller."""
+    scenario = place_robot(scenario)
+    simulation = make_simulation(scenario)
+    observation = first_observation(simulation)
+    return run_robot(simulation, make_input(scenario, observation, simulation), scenario,
+                     observation)
 
 
 def _path(tape: Tape, duration: float) -> Table:

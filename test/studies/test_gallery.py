@@ -3,7 +3,7 @@
 from pathlib import Path
 import re
 
-from helpers.study_outcomes import outcome_of, quick_outcome_of, REPEATED, values_of
+from helpers.study_outcomes import outcome_of, QUICK, quick_outcome_of, values_of
 import pytest
 from studies import __main__ as cli, catalogue, gallery
 from studies.framework import plot_style
@@ -28,10 +28,10 @@ def title(study):
 
 
 def without_numbers(page):
-    """Mask the numbers below the figures of studies that tests repeat less often."""
+    """Mask the numbers below the figures of studies of which tests compute less."""
     entries = re.split('(?m)^### ', page)
     return [re.sub(r'-?\d+(\.\d+)?', '#', entry.partition('\n')[2])
-            if entry.split(' ')[0] in REPEATED else entry for entry in entries]
+            if entry.split(' ')[0] in QUICK else entry for entry in entries]
 
 
 @pytest.mark.slow
