@@ -94,6 +94,8 @@ class TaskExecution:
         self._stated: _StatedOutlook | None = None
         # That localization has started over, until a push has moved the object.
         self._restart: Report[TaskEvent] | None = None
+        # Whether the robot has touched the object elsewhere, until a push has moved it.
+        self._has_run_into_object = False
         # Whether what it pushes has stopped the robot just now, and it backs off.
         self._backs_off = False
         # Why the safety layer last stopped the robot in this task.
@@ -329,6 +331,7 @@ class TaskExecution:
         """Count a push that has ended well; one that has moved the object was where it seemed."""
         if has_moved(Pose(*plan.object_poses[0].tolist()), object_pose, self._progress.settings):
             self._restart = None
+            self._has_run_into_object = False
         self._progress.count_finished_push(
             plan, object_pose, None if self._goal is None else self._goal.pose)
 
@@ -372,14 +375,16 @@ class TaskExecution:
         inconsistency = self._perception.pose_inconsistency or self._restart
         if self._force_warning or inconsistency is None:
             return cause
-        if self._progress.is_light or self._perception.have_poses_jumped:
-            # The object was moved before: it is elsewhere rather than too heavy.
+        if (self._progress.is_light or self._perception.have_poses_jumped
+                or self._has_run_into_object):
+            # The object was moved before, or touched elsewhere: that is no matter of weight.
             return TaskEvent.ABORTED.report(reason=PerceptionEvent.INCONSISTENCIES.report(
                 first=inconsistency, second=failure))
         return TaskEvent.ABORTED_INCONSISTENT.report(abort=cause, inconsistency=inconsistency)
 
     def _recover(self, cause: AnyReport, failure: TaskFailure = TaskFailure.PUSH_FAILED) -> None:
         """Count a failure as an attempt, and go to where it leads."""
+        self._has_run_into_object |= cause.code is BehaviorFailure.RAN_INTO_OBJECT
         self._progress.count_attempt(cause)
         if not self._plans_next_goal():
             self._enter_after_failure(cause, failure)

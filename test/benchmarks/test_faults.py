@@ -113,6 +113,16 @@ def test_a_task_whose_tracker_shows_something_else_is_given_up_and_named(word: W
     assert ': they are of another object or of the robot, mirrored' in found.reason
 
 
+@pytest.mark.slow
+def test_an_object_that_is_touched_elsewhere_is_not_first_of_all_too_heavy() -> None:
+    """Poses that are mirrored during the first push: wheels that spin come second."""
+    fault = Fault(Input.POSE, Word.MIRRORED, 8.0, math.inf)
+    mirrored = simulated_record(load_scenario('task_demo'), [Injection(fault)], 100.0)
+    assert mirrored.ending is Ending.FAILED
+    assert mirrored.codes.index('PerceptionEvent.POSES_ELSEWHERE') < (
+        mirrored.codes.index('BehaviorFailure.WHEELS_SPIN'))
+
+
 @pytest.mark.parametrize('word, start', [(Word.LIFTED, 2.5), (Word.RESTARTED, 0.5)])
 def test_an_object_for_a_robot_that_is_elsewhere_is_not_only_too_heavy(
         word: Word, start: float) -> None:
