@@ -18,7 +18,8 @@ import pytest
 
 pytestmark = pytest.mark.physics
 ROBOT = RoundRobot(0.17, 'holonomic')
-EVERYWHERE = 1e3
+# More than the diagonal of the room [m].
+EVERYWHERE = 6.0
 
 
 def ragged_room(rng: np.random.Generator) -> list[Wall]:
