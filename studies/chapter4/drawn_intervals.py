@@ -68,9 +68,9 @@ class DrawnIntervals:
         :param seed: of the draw.
         :return: the disturbance.
         """
-        draws = np.random.default_rng(seed)
-        side = tuple(SIDES)[int(draws.integers(len(SIDES)))]
-        return Interval(side, *(float(draws.uniform(*ends)) for ends in (
+        rng = np.random.default_rng(seed)
+        side = tuple(SIDES)[int(rng.integers(len(SIDES)))]
+        return Interval(side, *(float(rng.uniform(*ends)) for ends in (
             self.factors, self.start_times, self.durations)))
 
     def __call__(self, seed: int, /) -> tuple[FrictionChange, ...]:
