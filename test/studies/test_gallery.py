@@ -50,7 +50,7 @@ def test_page_is_what_the_studies_find(name, tmp_path):
 @pytest.mark.slow
 @pytest.mark.parametrize('study', catalogue.studies(), ids=lambda study: study.figure)
 def test_every_study_is_drawn_and_has_tables(study: Study, tmp_path: Path) -> None:
-    outcome, values = quick_outcome_of(study), values_of(study)
+    outcome, values = quick_outcome_of(study), values_of(study, **QUICK.get(study.figure, {}))
     with plot_style.applied():
         figure = draw_figure(study, outcome, values)
         # Where its parts go takes longest to compute; sketches have laws on that.
