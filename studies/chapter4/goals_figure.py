@@ -41,7 +41,8 @@ def draw_goals(figure: Figure, outcome: Outcome, values: Values) -> None:
                         **GOAL_STYLES[law])
         axes.set_title(f'goal {number}: {goal[0]:g} m, {goal[1]:g} m, {goal[2]:g} rad', loc='left')
         axes.label_outer()
-    panels[0, -1].legend(loc='upper left', bbox_to_anchor=(1.0, 1.0))
+    panels[0, -1].legend(*panels[0, 0].get_legend_handles_labels(), loc='upper left',
+                         bbox_to_anchor=(1.0, 1.0))
 
 
 def draw_path(figure: Figure, outcome: Outcome, values: Values) -> None:
