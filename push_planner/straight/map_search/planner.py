@@ -27,7 +27,6 @@ from push_navigation.settings import DriveSettings
 from push_planner.problem import PlanningFailed
 from push_planner.refusal_marks import RefusalMarks
 from push_planner.settings import PlannerSettings
-from push_planner.straight.map_search.dead_ends import leaving_length
 from push_planner.straight.map_search.object_distance import (
     distance_grid, DistanceGrid, length_at, UNREACHED)
 from push_planner.straight.map_search.problem import FREE
@@ -377,27 +376,19 @@ class _MapPlanner:
         return MapPlan(plan, remaining._replace(pushes=remaining.pushes[1:]))
 
     def _margins(self) -> Iterator[Margins]:
-        """Generate margins, the widest first; of a disc that has to leave a wall the last."""
+        """Generate margins, the widest first."""
         uncertainty = position_uncertainty(self._request)
-        has_to_leave_wall = self._has_to_leave_wall()
         margins: Margins | None = None
         for (fraction, sigmas), std_factor, limit in zip(CLEARANCE_STEPS, STD_FACTORS,
                                                          MAX_EXPANSIONS):
             drive = self._drive.with_clearances(fraction)
             margins = Margins(OBJECT_FRACTION * drive.map_clearance, std_factor,
                               drive.map_clearance, drive.clearance, uncertainty, sigmas, limit)
-            if fraction <= MIN_FRACTION or not has_to_leave_wall:
-                yield margins
+            yield margins
         if margins is not None:
             last = margins._replace(max_expansions=LAST_EXPANSIONS, lattice=FINE)
             yield last
             yield last._replace(max_expansions=WIDE_EXPANSIONS, is_wide=True)
-
-    def _has_to_leave_wall(self) -> bool:
-        """Tell whether the object is a disc that is too near to a wall for its goal."""
-        to_map, request = self._map.origin.inverse(), self._request
-        return leaving_length(self._scene, self._drive.map_clearance,
-                              to_map @ request.object_pose, to_map @ request.goal) > 0.0
 
     def _search_settings(self, primitives: PushPrimitives) -> SearchSettings:
         request, costs = self._request, primitives.settings

@@ -88,7 +88,7 @@ class Query(NamedTuple):
     :param lattice: ``Lattice``.
     :param object_margin: clearance of the object [m], but at start and goal.
     :param std_factor: standard deviations of a vertex that are added to it.
-    :param goal_margin: clearance of the goal, to which a push may keep there [m].
+    :param goal_gap: clearance of the object at the goal [m].
     :param is_goal_enclosed: whether the goal is near, and no push leads back from it.
     :param closing_time: that the cost-to-go of open floor has in excess at ``CLOSE_DISTANCE`` [s].
     :param max_expansions: number of nodes that are expanded at most.
@@ -105,7 +105,7 @@ class Query(NamedTuple):
     lattice: Lattice
     object_margin: float
     std_factor: float
-    goal_margin: float
+    goal_gap: float
     is_goal_enclosed: bool
     closing_time: float
     max_expansions: int

@@ -21,7 +21,7 @@ from push_planner.straight.map_search.pushes import FIRST, Pushes
 from push_planner.straight.map_search.reachable_set import (
     HALF_WINDOW, ReachableSet, RobotMargins, SPACING, WIDE_WINDOW)
 from push_planner.straight.map_search.scene import object_clearance, Scene
-from push_planner.straight.map_search.successors import ENOUGH, least_gap, START_RANGE
+from push_planner.straight.map_search.successors import ENOUGH, START_RANGE
 from push_primitives.cost_to_go import CostToGo
 
 # Nodes of a search, chosen: some ten for each expanded node; and slots of its hash table, a power
@@ -184,7 +184,7 @@ class MapSearch:
             RobotMargins(margins.robot, margins.robot_to_object), _first_margins(margins),
             Query(start, robot, goal, self._settings, margins.lattice,
                   object_margin=margins.object, std_factor=margins.std_factor,
-                  goal_margin=self._clearance(goal),
+                  goal_gap=self._clearance(goal),
                   is_goal_enclosed=self.is_goal_enclosed(start, goal, margins),
                   closing_time=self._closing_time,
                   max_expansions=margins.max_expansions, max_work=margins.max_work, half=half,
@@ -192,11 +192,11 @@ class MapSearch:
         return problem, memory
 
     def _clearance(self, pose: Pose) -> float:
-        return float(least_gap(object_clearance(self._scene, *pose, ENOUGH)))
+        return float(object_clearance(self._scene, *pose, ENOUGH))
 
     def is_goal_enclosed(self, start: Pose, goal: Pose, margins: Margins) -> bool:
-        """Tell whether the goal is near, and no push leads back from it."""
-        return (distance(start, goal) < CAUTIOUS_RANGE
+        """Tell whether the goal is near, and no push leads back from it; not of a disc."""
+        return (distance(start, goal) < CAUTIOUS_RANGE and len(self._scene.vertices) > 0
                 and bool(is_dead_end(self._scene, self._pushes, margins.robot, goal)))
 
     def _result(self, problem: Problem, memory: Memory, end: int) -> SearchResult:

@@ -10,10 +10,8 @@ from typing import Any
 from push_dynamics.compiled import compiled
 from push_navigation.floor import clearance
 from push_planner.straight.map_search.chance import failure_cost
-from push_planner.straight.map_search.dead_ends import (
-    is_dead_end, leaving_length, slide_along, STANDOFF)
-from push_planner.straight.map_search.estimate import (
-    CONTACT_DISTANCE, estimate, heading_error)
+from push_planner.straight.map_search.dead_ends import is_dead_end, STANDOFF
+from push_planner.straight.map_search.estimate import estimate, heading_error
 from push_planner.straight.map_search.lattice import cell_key, find_slot
 from push_planner.straight.map_search.object_distance import UNREACHED
 from push_planner.straight.map_search.priority_queue import push
@@ -51,11 +49,9 @@ RETREAT = 0.06
 MARGIN_SLOPE = 0.3
 SLIDING_LENGTH = 0.3
 # Clearance that is no longer looked at [m]; what a push may lose where there is little, and by how
-# much it may overlap more than it does [m]; chosen: along a wall a box turns by some degrees.
-ENOUGH, LOST_GAP, NEW_OVERLAP = 0.3, 0.018, 0.003
-# Slope at which a wall guides a disc that is pushed along it; chosen: its force is a tenth of that
-# of the push.
-SLIDING_SLOPE = 0.1
+# much it may overlap more than it does, at first and for each length of it [m]; chosen: along a
+# wall a box turns by some degrees, and a disc rolls, until the wall guides them.
+ENOUGH, LOST_GAP, NEW_OVERLAP, SLIDING_SLOPE = 0.3, 0.018, 0.003, 0.1
 # First length of which the sweep is looked at: shorter ones move the object by less than a margin.
 FIRST_SWEEP = 0.04
 
@@ -79,8 +75,8 @@ def expand(problem: Any, memory: Any, parent: int) -> None:
     away = max(abs(query.start.x - node[X]), abs(query.start.y - node[Y]))
     is_dense = away < query.lattice.dense_range
     if away < START_RANGE:
-        memory.final[GAP] = least_gap(object_clearance(
-            problem.scene, node[X], node[Y], node[THETA], ENOUGH))
+        memory.final[GAP] = object_clearance(
+            problem.scene, node[X], node[Y], node[THETA], ENOUGH)
     for option in range(pushes.starts.shape[0]):
         last = pushes.last[stage, option]
         if last <= 0:
@@ -96,13 +92,15 @@ def expand(problem: Any, memory: Any, parent: int) -> None:
 
 
 @compiled
-def least_gap(gap: float) -> float:
+def least_gap(gap: float, length: float) -> float:
     """
     Compute to what clearance a push may come at a start or goal [m].
 
     :param gap: clearance of the object there [m].
+    :param length: of the push [m].
     """
-    return max(gap - LOST_GAP, min(gap, 0.0) - NEW_OVERLAP)
+    overlap = min(LOST_GAP, NEW_OVERLAP + SLIDING_SLOPE * length)
+    return max(gap - LOST_GAP, min(gap, 0.0) - overlap)
 
 
 @compiled
@@ -185,20 +183,17 @@ def _add_pushes(problem: Any, memory: Any, parent: int, option: int, travel: flo
     for step in range(1, pushes.last[stage, option] + 1):
         length = pushes.lengths[step]
         if pushes.lengths[step - 1] < final_length <= length:
-            _write_pose(pushes.means[stage, option, step], node, memory.pose)
-            leaving = _leaving_time(problem, memory.pose)
             memory.pose[0], memory.pose[1] = query.goal.x, query.goal.y
             memory.pose[2] = _final_heading(query, pushes.means[stage, option, step], node)
             if _has_room_at_goal(problem, memory.pose):
                 std, miss = pushes.stds[stage, option, step], memory.final[MISS]
                 correction = (STD_COST * std + MISS_COST * query.settings.contact_time * miss
-                              + failure_cost(query, miss, std, 0.0) + leaving)
+                              + failure_cost(query, miss, std, 0.0))
                 _append(problem, memory, parent, option, final_length,
                         cost + final_length / query.settings.pushing_speed + correction)
         if length < FIRST_SWEEP:
             continue
         _write_pose(pushes.means[stage, option, step], node, memory.pose)
-        slide_along(problem.scene, memory.pose, SLIDING_SLOPE * length)
         if not _is_free(problem, memory, parent, option, step):
             return
         if (is_dense or pushes.coarse[option]) and pushes.is_end[step]:
@@ -219,7 +214,7 @@ def _has_room_at_goal(problem: Any, pose: Any) -> bool:
     """Tell whether there is room at the goal for the heading with which the object comes there."""
     if problem.query.settings.heading_tolerance < FREE:
         return True
-    needed = problem.query.goal_margin
+    needed = least_gap(problem.query.goal_gap, 0.0)
     return object_clearance(problem.scene, pose[0], pose[1], pose[2], needed) >= needed
 
 
@@ -239,9 +234,11 @@ def _is_free(problem: Any, memory: Any, parent: int, option: int, step: int) -> 
     length, std = pushes.lengths[step], pushes.stds[_stage(parent), option, step]
     margin = query.object_margin + query.std_factor * std
     # What start and goal lack cannot be had near them.
-    margin = min(margin, memory.final[GAP] + MARGIN_SLOPE * max(0.0, length - SLIDING_LENGTH))
+    margin = min(margin, least_gap(memory.final[GAP], length)
+                 + MARGIN_SLOPE * max(0.0, length - SLIDING_LENGTH))
     d_x, d_y = query.goal.x - pose[0], query.goal.y - pose[1]
-    margin = min(margin, query.goal_margin + MARGIN_SLOPE * math.sqrt(d_x * d_x + d_y * d_y))
+    margin = min(margin, least_gap(query.goal_gap, length)
+                 + MARGIN_SLOPE * math.sqrt(d_x * d_x + d_y * d_y))
     if object_clearance(scene, pose[0], pose[1], pose[2], margin) < margin:
         return False
     x, y = _robot_position(pushes.starts[option], memory.nodes[parent], length)
@@ -283,15 +280,6 @@ def _add_node(problem: Any, memory: Any, parent: int, option: int, step: int,
 
 
 @compiled
-def _leaving_time(problem: Any, pose: Any) -> float:
-    """Time of the pushes that bring a disc as far off a wall as its goal is [s]."""
-    query = problem.query
-    length = leaving_length(problem.scene, problem.margins.obstacles, pose, query.goal)
-    return length * (1.0 / query.settings.pushing_speed
-                     + query.settings.contact_time / CONTACT_DISTANCE)
-
-
-@compiled
 def _append(problem: Any, memory: Any, parent: int, option: int, length: float,
             cost: float) -> bool:
     """Append the end of a push, taken to be at the goal; tell whether there is a path on."""
@@ -300,7 +288,6 @@ def _append(problem: Any, memory: Any, parent: int, option: int, length: float,
     remaining = estimate(problem.guide, query, pose[0], pose[1], pose[2], face)
     if remaining >= UNREACHED:
         return False
-    remaining += _leaving_time(problem, pose)
     added = counters[NODES]
     node, link = memory.nodes[added], memory.links[added]
     node[X], node[Y], node[THETA], node[COST], node[LENGTH] = (
