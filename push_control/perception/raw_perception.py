@@ -33,8 +33,9 @@ class RawPerception:
         self._pose_time: float | None = None
         # Whether the last measurement has come again: a simulation holds its time.
         self._is_held = False
-        # Whether the bumper was last pressed, and whether it has closed since.
-        self._is_pressed: bool | None = None
+        # Whether the bumper was last pressed, and whether it has closed since. Before the first
+        # measurement it may have been: what it touches then is no news.
+        self._is_pressed: bool | None = True
         self._has_bumped = False
 
     def update(self, observation: Observation) -> None:
@@ -51,12 +52,12 @@ class RawPerception:
             self._pose_time = measured.time
 
     def _take_bumper(self, observation: Observation) -> None:
-        self._has_bumped = self._is_pressed is False and observation.is_bumper_pressed is True
+        self._has_bumped = not self._is_pressed and observation.is_bumper_pressed is True
         self._is_pressed = observation.is_bumper_pressed
 
     @property
     def has_bumped(self) -> bool:
-        """Tell whether the bumper has closed with this observation: it was open before."""
+        """Tell whether the bumper has closed with this observation, and not before the first."""
         return self._has_bumped
 
     def measurement_fault(self, needs_object: bool) -> EventReport | None:
