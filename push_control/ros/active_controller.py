@@ -108,6 +108,8 @@ class ActiveController:
     def activate(self) -> None:
         """Subscribe, and wait for a goal."""
         node, world, frames = self._node, self._world, self._parameters.frames
+        # Messages are taken in this order: a touch counts with the odometry of its time.
+        node.subscribe('bumper', self.on_bumper, real_time=True)
         node.subscribe('odom', self.on_odometry, real_time=True)
         for name in [entry.name for entry in self._parameters.options.objects] or ['']:
             node.subscribe(
@@ -115,7 +117,6 @@ class ActiveController:
                 with_covariance=self._parameters.options.object_pose_with_covariance,
                 frame=frames.world_frame)
         self._subscribe_place()
-        node.subscribe('bumper', self.on_bumper, real_time=True)
         node.subscribe('push_plan', self.on_plan, real_time=True)
         node.subscribe('goal_pose', world.receiver('goal_pose', Handlers(
             self._on_goal, self._refuse_goal, self.goals.move)))

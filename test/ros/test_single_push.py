@@ -17,14 +17,16 @@ from push_planner.steered.planner import plan_push
 from push_ros.conversions.measurements import to_object_pose_message, to_odometry_message
 from push_ros.conversions.plan import no_plan_message, to_plan_message
 from push_ros.conversions.primitives import exact_stamp
+from push_ros.executor import MessageWaiter, take_message
 from push_ros.parameters import READ_ONLY
-from push_ros.topics import CONTROLLER
+from push_ros.topics import CONTROLLER, TOPICS
 from push_safety.status import SafetyReason
 from push_scenario.dds.private_network import private_domain
 from push_scenario.definition.loader import load_scenario
 import pytest
 import rclpy
 from rclpy.parameter import Parameter
+from std_msgs.msg import Bool
 import yaml
 
 pytestmark = pytest.mark.dds
@@ -364,6 +366,31 @@ def test_what_the_controller_is_built_with_is_refused_with_the_reason(
     assert node.describe_parameter(name).read_only
     assert node.set_parameters_atomically([
         Parameter('control.lateral_gain', value=12.0)]).successful
+
+
+def test_a_touch_counts_with_the_odometry_that_was_published_after_it(
+        node: ControllerNode) -> None:
+    """Both have come when the node gets round to them."""
+    base, subscriptions = rclpy.create_node('base'), dict(node.topic_subscriptions)
+    odometry = to_odometry_message(Odometry(100.0, ROBOT, STOP), 'odom', 'base_link')
+    messages = {'bumper': Bool(data=True), 'odom': odometry}
+    publishers = {topic: base.create_publisher(type(message), topic, TOPICS[topic].publish_qos)
+                  for topic, message in messages.items()}
+    waiter = MessageWaiter(node.context)
+    try:
+        for topic, publisher in publishers.items():
+            # Until publisher and subscription know each other.
+            while take_message(subscriptions[topic]) is None:
+                publisher.publish(messages[topic])
+                waiter.wait([subscriptions[topic]], 0.1)
+        for topic, publisher in publishers.items():
+            publisher.publish(messages[topic])
+            waiter.wait([subscriptions[topic]], 60.0)
+        node.poll()
+    finally:
+        base.destroy_node()
+    observation = node.controller._latest.observation
+    assert observation is not None and observation.is_bumper_pressed
 
 
 def test_there_is_a_controller_from_configuring_to_cleaning_up(node: ControllerNode) -> None:
