@@ -215,9 +215,14 @@ def await_answer(client: Client, request: Future, timeout: float) -> None:
         wait_set.wait(timeout_sec_to_nsec(remaining))
         with client.handle:
             header, answer = client.handle.take_response(service.Response)
-        if header is not None:
-            number = header.request_id.sequence_number
-            client.get_pending_request(number).set_result(answer)
+        if header is None:
+            continue
+        try:
+            answered = client.get_pending_request(header.request_id.sequence_number)
+        except KeyError:
+            # Of a request that was given up.
+            continue
+        answered.set_result(answer)
 
 
 def run(make_node: Callable[[], PolledNode], arguments: Sequence[str] | None = None) -> int:
