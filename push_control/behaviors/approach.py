@@ -80,10 +80,12 @@ class StandoffApproach(Behavior[TaskPerception]):
 
     def on_bumped(self, perception: TaskPerception) -> FailureReport | None:
         """Fail; a robot that seems to be at the object is there."""
-        if touches_object(perception):
-            locate_at_object(perception, self._context.obj, self._context.robot)
-            perception.on_unexpected_contact()
-        return bumped(perception)
+        if not touches_object(perception):
+            return bumped(perception)
+        locate_at_object(perception, self._context.obj, self._context.robot)
+        perception.on_unexpected_contact()
+        perception.restart_averaging(perception.time + STOPPING_TIME)
+        return BehaviorFailure.RAN_INTO_OBJECT.report()
 
     def pause(self) -> None:
         """Forget the path; the next step plans another one."""

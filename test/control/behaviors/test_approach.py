@@ -5,7 +5,8 @@ from typing import Callable, NamedTuple
 
 from helpers.objects import box
 from helpers.straight_pushes import straight_push
-from push_control.behaviors.approach import facing_path, FACING_SPACING, MovingApproach
+from push_control.behaviors.approach import (
+    facing_path, FACING_SPACING, MovingApproach, StandoffApproach)
 from push_control.behaviors.behavior import BehaviorContext
 from push_control.behaviors.failures import BehaviorFailure, FailureReport
 from push_control.perception.perception import TaskPerception
@@ -108,3 +109,19 @@ def test_single_poses_that_are_far_off_stop_no_robot() -> None:
     halt = approach(lambda time: 0.3 if int(time / 0.05 + 0.5) % 12 == 0 else 0.0, 0.05)
     assert halt.halts == 0
     assert halt.failure is None
+
+
+@pytest.mark.parametrize('gap, code', [(0.005, BehaviorFailure.RAN_INTO_OBJECT),
+                                       (0.3, BehaviorFailure.BUMPED)])
+def test_a_touch_of_the_object_on_the_way_is_told_from_that_of_anything_else(
+        gap: float, code: BehaviorFailure) -> None:
+    """By where the object is: beside the face at which the push is not to begin."""
+    perception = TaskPerception(box(), ROBOT, CONTEXT.control, CONTEXT.supervision)
+    behavior = StandoffApproach(CONTEXT, straight_push(box(), Pose(-0.37, 0.0, 0.0), 0.3))
+    pose = Pose(0.0, 0.37 + gap, 0.0)
+    for step in range(20):
+        time = 0.05 * step
+        perception.update(Observation(time, Odometry(time, pose, STOP),
+                                      ObjectPose(time, Pose(0.0, 0.0, 0.0))))
+    failure = behavior.on_bumped(perception)
+    assert failure is not None and failure.code is code
