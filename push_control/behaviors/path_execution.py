@@ -147,6 +147,8 @@ class PathBehavior(Behavior[Perception]):
         self.context = context
         self._end_speed = end_speed
         self._execution: PathExecution | None = None
+        # Whether the bumper has closed on the path, and has not opened since.
+        self._has_touched = False
 
     @abc.abstractmethod
     def plan(self, perception: Perception) -> Path | None:
@@ -163,15 +165,20 @@ class PathBehavior(Behavior[Perception]):
         return blocks(self._execution, self.context.occupancy_map, occupancy_map, pose)
 
     def on_bumped(self, perception: Perception) -> FailureReport | None:
-        """Fail, but for a touch of what the robot leaves."""
+        """Note it for the step: it counts once the start is left, and what was touched there."""
+        self._has_touched = True
+
+    def _touch_failure(self, perception: Perception) -> FailureReport | None:
+        """Report what the bumper touches, but for what the robot leaves."""
         execution = self._execution
-        if execution is None or not execution.has_left_start(perception.robot_pose):
-            return None
-        return bumped(perception)
+        self._has_touched = self._has_touched and bool(perception.observation.is_bumper_pressed)
+        has_left = execution is not None and execution.has_left_start(perception.robot_pose)
+        return bumped(perception) if self._has_touched and has_left else None
 
     def pause(self) -> None:
         """Forget the path; the next step plans another one."""
         self._execution = None
+        self._has_touched = False
 
     def step(self, perception: Perception, dt: float) -> Twist:
         """
@@ -179,6 +186,9 @@ class PathBehavior(Behavior[Perception]):
 
         :param perception: ``RawPerception`` of the robot, and of where the object was seen last.
         """
+        self.failure = self._touch_failure(perception)
+        if self.failure is not None:
+            return STOP
         if self._execution is None:
             try:
                 path = self.plan(perception)

@@ -77,17 +77,41 @@ def test_a_robot_beside_a_wall_backs_off_along_it():
     assert path.poses[-1].y == pytest.approx(start.y, abs=1e-9)
 
 
-def test_a_bumper_that_closes_behind_the_object_ends_a_retreat() -> None:
-    """What it closes on right at the object is that: it slides on when a push ends."""
+def retreat_codes(course: list[tuple[float, bool]],
+                  pause_at: int | None = None) -> list[BehaviorFailure | None]:
+    """
+    Retreat along x with a bumper, and return why the retreat fails at each step.
+
+    :param course: x of the robot [m], and whether its bumper is pressed, at each step.
+    :param pause_at: index of the step before which the retreat pauses.
+    """
     retreat, perception = Retreat(context('holonomic'), DISTANCE), RawPerception(ControlSettings())
     codes = []
-    for step, (x, is_pressed) in enumerate([
-            (-0.37, True), (-0.375, False), (-0.38, True), (-0.41, True), (-0.42, False),
-            (-0.44, True), (-0.45, True)]):
+    for step, (x, is_pressed) in enumerate(course):
         perception.update(Observation(
             0.1 * step, Odometry(0.1 * step, Pose(x, 0.0, 0.0), STOP), ObjectPose(0.0, ORIGIN),
             is_bumper_pressed=is_pressed))
-        failure = retreat.on_bumped(perception) if perception.has_bumped else None
-        codes.append(failure and failure.code)
+        if step == pause_at:
+            retreat.pause()
+        if perception.has_bumped:
+            retreat.on_bumped(perception)
         retreat.step(perception, 0.1)
-    assert codes == [None] * 5 + [BehaviorFailure.BUMPED, None]
+        codes.append(None if retreat.failure is None else retreat.failure.code)
+    return codes
+
+
+@pytest.mark.parametrize('course', [
+    [(-0.37, True), (-0.375, False), (-0.38, True), (-0.385, False), (-0.42, False),
+     (-0.44, True)],
+    [(-0.37, False), (-0.38, True), (-0.385, True), (-0.41, True)]])
+def test_a_bumper_that_closes_behind_the_object_ends_a_retreat(
+        course: list[tuple[float, bool]]) -> None:
+    """What it closes on right at the object counts once that is left: it may slide on."""
+    codes = retreat_codes(course)
+    assert codes == [None] * (len(course) - 1) + [BehaviorFailure.BUMPED]
+
+
+def test_a_pause_forgets_what_the_bumper_has_closed_on() -> None:
+    """The path after it is another one."""
+    course = [(-0.37, False), (-0.38, True), (-0.385, True), (-0.42, True)]
+    assert retreat_codes(course, pause_at=2) == [None] * 4
