@@ -3,7 +3,8 @@ Several objects in one simulation: one of them is pushed, the others stand.
 
 Time, robot and odometry go on as another one comes to be pushed. Which one that is the caller
 states, or it is the one that the robot is nearest to. What robot or pushed object bump into gives
-way, and so does what that bumps into.
+way, and so does what that bumps into. Walls do not hold what gives way, and the pushed object does
+not give way to it.
 """
 
 from collections.abc import Callable, Mapping
@@ -141,24 +142,31 @@ class RoomSimulation:
         pose = _wrapped(self.simulation.plant.object_pose)
         self._objects[self.pushed] = item._replace(pose=pose)
 
-    def _displace_bumped(self) -> None:
-        """Move the objects that robot and pushed object have moved into, one after the other."""
+    def _displace_bumped(self) -> bool:
+        """
+        Move the objects that robot and pushed object have moved into, one after the other.
+
+        :return: whether the robot has moved into one.
+        """
         plant, others = self.simulation.plant, set(self._objects) - {self.pushed}
         x, y, _ = plant.robot_pose
         bodies: list[PlacedObject | PlacedDisc] = [
             PlacedDisc(x, y, self.simulation.robot.radius),
             PlacedObject(self.simulation.obj, plant.object_pose)]
+        is_robot_touching = False
         while bodies:
             body = bodies.pop()
             for name in sorted(others):
                 item = self._objects[name]
                 pose = displaced_pose(item, body)
                 if pose != item.pose:
+                    is_robot_touching |= isinstance(body, PlacedDisc)
                     self._objects[name] = item._replace(pose=_wrapped(pose))
                     bodies.append(self._objects[name])
                     others.remove(name)
         if len(others) < len(self._objects) - 1:
             self.simulation.show_standing(self._walls_beside(self.pushed))
+        return is_robot_touching
 
     def _walls_beside(self, name: str) -> tuple[Wall, ...]:
         """List the outlines of all objects but one."""

@@ -144,7 +144,8 @@ class Simulation:
     :param interpret: whether the plant runs as plain Python, see ``Plant``.
     :param plant_type: makes a ``Plant`` of the arguments of that class; another engine may move
         the bodies.
-    :param after_motion: called each time that the bodies have moved, before they are measured.
+    :param after_motion: called each time that the bodies have moved, before they are measured;
+        returns whether the robot has moved into something else.
     :raises ValueError: where robot and object overlap, or friction changes under a support that
         does not exist.
     """
@@ -153,7 +154,7 @@ class Simulation:
                  settings: SimulationSettings = SimulationSettings(),
                  sensors: SensorSettings = SensorSettings(), *,
                  interpret: bool = False, plant_type: Callable[..., Plant] = Plant,
-                 after_motion: Callable[[], None] | None = None) -> None:
+                 after_motion: Callable[[], bool] | None = None) -> None:
         self.obj = obj
         self.robot = robot
         self.settings = settings
@@ -187,6 +188,7 @@ class Simulation:
         self._camera = self._make_camera()
         self._lidar = self._make_lidar()
         self._odometry_history = OdometryHistory()
+        self._touches_other = False
         self._set_now(0)
         # A command, and when the robot stops if no other has come [ns].
         self._command, self._deadline = STOP, 0
@@ -231,7 +233,8 @@ class Simulation:
         if self.sensors.bumper_force == 0.0:
             return None
         truth = self.truth
-        return truth.force_n > self.sensors.bumper_force or truth.walls.holds_robot
+        return (truth.force_n > self.sensors.bumper_force or truth.walls.holds_robot
+                or self._touches_other)
 
     def set_sensors(self, sensors: SensorSettings) -> None:
         """Measure with other errors, rates and latency from the next measurements on."""
@@ -387,7 +390,7 @@ class Simulation:
                 self.plant.advance((until - self._now) / NANOSECONDS, self._active_command())
             self._set_now(until)
             if self._after_motion is not None:
-                self._after_motion()
+                self._touches_other = self._after_motion()
             self._observe_bodies()
             if until >= disturbed_at:
                 self._disturb()

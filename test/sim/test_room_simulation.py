@@ -83,6 +83,16 @@ def test_what_the_robot_bumps_into_gives_way_while_another_is_pushed() -> None:
     assert several.poses['box'].x == pytest.approx(several.robot_pose.x + 0.37, abs=1e-3)
 
 
+def test_a_bumper_feels_objects_that_stand() -> None:
+    """While it moves them, and not before or after."""
+    several = RoomSimulation(OBJECTS, ROBOT, START, sensors=SensorSettings(bumper_force=2.0))
+    pressed: list[bool | None] = []
+    for until, speed in ((0.4, 0.2), (1.5, 0.2), (1.8, -0.2)):
+        drive(several.simulation, until, Twist(speed, 0.0, 0.0))
+        pressed.append(several.simulation.is_bumper_pressed)
+    assert several.pushed == 'bin' and pressed == [False, True, False]
+
+
 def test_an_object_that_is_pushed_stays_so_until_the_robot_leaves_it() -> None:
     """The bin is nearer to the robot's middle at the end, but the robot touches the box."""
     several = room({'box': OBJECTS['box'], 'bin': PlacedObject(bin_(), Pose(0.7, 0.45, 0.0))})
