@@ -352,15 +352,16 @@ class StraightPush(Behavior[TaskPerception]):
     def _with_contact(self, progress: PushProgress, perception: TaskPerception) -> PushProgress:
         """Start to push where ensemble or bumper have the robot touch the object."""
         ensemble = self._ensemble
-        line = ensemble.object_pose @ self._line.start
+        # The bumper moves the robot: what is read below comes after that.
         is_touching = self._touches_by_bumper(perception)
+        line = ensemble.object_pose @ self._line.start
         if progress.has_touched_early or not (is_touching or ensemble.contact_ratio > 0.5):
             overrun, _ = line.inverse().transform(ensemble.pose[:2])
             return dataclasses.replace(progress, overrun=overrun)
         if self._robot.drive != 'differential':
             self._direction = wrap_angle(line.theta - ensemble.pose.theta)
         return dataclasses.replace(progress, stage=Stage.PUSHING, last_contact=progress.time,
-                                   touch_deviation=progress.deviation)
+                                   touch_deviation=ensemble.position_deviation)
 
     def _touches_by_bumper(self, perception: TaskPerception) -> bool:
         """Tell whether the bumper touches the object; the robot is located there."""

@@ -24,7 +24,7 @@ from push_model.contact import find_contact
 from push_model.geometry import Pose, wrap_angle
 from push_model.observation import Observation
 from push_model.parameters import RoundRobot
-from push_model.signals import ObjectPose, Odometry, STOP
+from push_model.signals import ObjectPose, Odometry, STOP, Twist
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.settings import DriveSettings
 from push_primitives.store import load_primitives
@@ -303,3 +303,27 @@ def test_settings_that_change_during_an_approach_wait_for_the_next_one(monkeypat
     assert loaded == [robot.max_speed]
     behaviors.create(TaskState.APPROACH, target, TaskGoal(goal), perception, PROGRESS)
     assert loaded == [robot.max_speed, 0.2]
+
+
+def test_a_push_starts_in_the_direction_from_where_the_bumper_has_put_the_robot() -> None:
+    """The touch turns a robot, too, whose place along the normal has drifted with its heading."""
+    target, robot = straight_push(box(), MIDDLE, 0.3), ROBOTS['holonomic']
+    perception = TaskPerception(box(), robot, CONTROL, SUPERVISION)
+    behaviors = RepeatedPushBehaviors(box(), robot, CONTROL, DRIVE, SUPERVISION)
+    aside = [Pose(-1.0, -1.5 + 0.03 * k, 0.0) for k in range(52)]
+    ahead = [Pose(-1.0 + 0.03 * k, MIDDLE.y, 0.0) for k in range(21)]
+    for step, pose in enumerate([*aside, *ahead]):
+        time = 0.1 * step
+        speed = Twist(0.0, 0.3, 0.0) if step < len(aside) else Twist(0.3, 0.0, 0.0)
+        perception.update(Observation(time, Odometry(time, pose, speed), ObjectPose(time, HOME),
+                                      is_bumper_pressed=step == len(aside) + len(ahead) - 1))
+    localization = perception.localization
+    before = localization.pose
+    goal = TaskGoal(Pose(*target.object_poses[-1].tolist()))
+    push = behaviors.create(TaskState.PUSH, target, goal, perception, PROGRESS)
+    command = push.step(perception, 0.1)
+    after = localization.pose
+    line = localization.object_pose @ target.straight_line().start
+    assert abs(wrap_angle(after.theta - before.theta)) > 1e-4
+    assert math.atan2(command.v_y, command.v_x) == pytest.approx(
+        wrap_angle(line.theta - after.theta), abs=1e-9)
