@@ -2,10 +2,10 @@
 Random numbers of the members of an ensemble that are not correlated with what they have already.
 
 Numbers that n members draw have, by chance, correlations of about 1 / sqrt(n) with their state. A
-filter takes these for knowledge. Where one measurement comes after another, as images of an object
-at rest do, each tells a little of what it cannot know, such as where both are in the world: the
-ensemble becomes too sure, and wanders off. Numbers whose correlations are 0 leave nothing to take
-for knowledge (second-order exact sampling: Pham, Monthly Weather Review 129 (2001)).
+filter takes these for knowledge. Images of an object at rest come one after another. Each would
+tell a little of what it cannot know, such as where both are in the world. The ensemble becomes too
+sure, and wanders off. Numbers whose correlations are 0 leave nothing to take for knowledge
+(second-order exact sampling: Pham, Monthly Weather Review 129 (2001)).
 """
 
 import math

@@ -26,8 +26,8 @@ linear in the errors of odometry. The relations are then drawn anew, as the pose
 that what remains of that push is not taken for drift later. For the same reason it tells nothing
 of wheels that creep.
 
-What tells of the robot tells of walls, too: a wall that is not where the map has it stops or turns
-the object elsewhere, and would be taken for an error of the robot.
+What tells of the robot tells of walls, too. A wall that is not where the map has it stops or turns
+the object elsewhere. That would be taken for an error of the robot.
 """
 
 import math
