@@ -1,7 +1,8 @@
 """
 Feasibility checks: what can be refused before anything is solved, each with its reason.
 
-A refusal names the least change that would do: in its sentence, and as a number of its report.
+A refusal names the least change that would do: in its sentence, rounded up, and as a number of its
+report.
 ``turn`` is that of the robot's heading [rad], ``normal`` that of contact normal and heading as
 the robot moves round a vertex [rad], ``shift`` that of the contact along its face [m],
 ``contact_friction`` and ``pushing_speed`` are the values needed, and ``rotation`` is what the goal
@@ -10,6 +11,7 @@ needs beside its own [rad].
 
 import math
 
+from push_model.contact import normal_range
 from push_model.friction import friction_center
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.plan_request import GoalTolerances, PlanFailure
@@ -104,10 +106,11 @@ def _check_values(problem: PushProblem) -> None:
     check_object_stands(problem.obj)
     cone = problem.settings.angle_limit == 'cone'
     if cone and problem.obj.contact_friction_coefficient == 0.0:
-        needed = _needed_friction(problem, 0.0)
+        is_differential = problem.robot.drive == 'differential'
+        change, report = _with_more_friction(
+            problem, problem.heading_offset if is_differential else problem.normal_offset)
         raise PlanningFailed(PlanFailure.NO_CONTACT_FRICTION, 'the contact has no friction: a '
-                             f'frictionless contact cannot steer, one of {needed:.2g} can',
-                             {'contact_friction': needed})
+                             f'frictionless contact cannot steer{change}', report)
     check_not_at_goal(problem.start, problem.goal, problem.settings)
 
 
@@ -172,14 +175,13 @@ def _check_steering(problem: PushProblem) -> None:
         return
     low, high = recoverable_offsets(problem)
     if limit == 'cone' and not low <= offset <= high:
-        change = max(low - offset, min(0.0, high - offset))
-        side = 'left' if change > 0.0 else 'right'
+        change, report = _turned_about_the_vertex(
+            problem, max(low - offset, min(0.0, high - offset)))
         raise PlanningFailed(
             PlanFailure.JACKKNIFED, 'the contact would jackknife: its normal is '
             f'{math.degrees(offset):.1f} deg off the direction to the centre of friction, and a '
             f'differential drive recovers from {math.degrees(low):.1f} to '
-            f'{math.degrees(high):.1f} deg; turned by {math.degrees(abs(change)):.1f} deg to the '
-            f'{side} about the vertex it could', {'normal': change})
+            f'{math.degrees(high):.1f} deg{change}', report)
 
 
 def _check_rotation(problem: PushProblem) -> None:
@@ -191,20 +193,30 @@ def _check_rotation(problem: PushProblem) -> None:
     if not any(low <= rotation <= high for rotation in rotations):
         change = min((max(low - rotation, min(0.0, high - rotation)) for rotation in rotations),
                      key=abs)
+        sign = '+' if change > 0.0 else '-'
         raise PlanningFailed(
             PlanFailure.LEAVES_CONTACT_FEATURE,
             f'the goal is rotated by {math.degrees(wrap_angle(rotations[1])):.1f} deg, and the '
             f'contact leaves its {problem.contact.kind} beyond {math.degrees(low):.1f} to '
             f'{math.degrees(high):.1f} deg as it rolls: choose a smaller robot, another contact, '
-            f'a goal rotated by {math.degrees(change):+.1f} deg beside this one, or let the robot '
+            f'a goal rotated by {sign}{_degrees(change)} deg beside this one, or let the robot '
             'rotate with the object', {'rotation': change})
 
 
-def _needed_friction(problem: PushProblem, angle: float) -> float:
-    """Contact friction with which the planning cone leaves enough to steer beyond an angle."""
+def _with_more_friction(problem: PushProblem, angle: float) -> tuple[str, dict[str, float]]:
+    """
+    Tell with which contact friction the planning cone leaves enough to steer beyond an angle.
+
+    :param angle: to either side [rad].
+    :return: end of the sentence, and numbers by name; nothing where no friction does.
+    """
     settings = problem.settings
-    cone = (angle + MIN_STEERING_ANGLE) / settings.cone_margin
-    return math.tan(cone) / settings.friction_discount if cone < math.pi / 2 else math.inf
+    cone = (abs(angle) + MIN_STEERING_ANGLE) / settings.cone_margin
+    if cone >= math.pi / 2:
+        return '', {}
+    friction = math.tan(cone) / settings.friction_discount
+    return (f'; with a contact friction of {_rounded_up(friction, 2)} it could',
+            {'contact_friction': friction})
 
 
 def _nearer_the_center(problem: PushProblem, largest: float) -> tuple[str, dict[str, float]]:
@@ -215,16 +227,15 @@ def _nearer_the_center(problem: PushProblem, largest: float) -> tuple[str, dict[
     :return: end of the sentence, and numbers by name.
     """
     angle, arm = abs(problem.normal_offset), problem.vehicle.arm
-    texts: list[str] = []
-    report: dict[str, float] = {}
+    text, report = '', dict[str, float]()
     if problem.contact.kind == 'face' and largest > 0.0:
         report['shift'] = arm * (math.sin(angle) - math.cos(angle) * math.tan(largest))
-        texts.append(f'{1e3 * report["shift"]:.0f} mm nearer to the middle it could')
-    friction = _needed_friction(problem, angle)
-    if problem.settings.angle_limit == 'cone' and math.isfinite(friction):
-        report['contact_friction'] = friction
-        texts.append(f'with a contact friction of {friction:.2f} it could')
-    return ''.join(f'; {text}' for text in texts), report
+        text = (f'; {_rounded_up(1e3 * report["shift"], 0)} mm nearer to the centre of friction '
+                'it could')
+    if problem.settings.angle_limit == 'cone':
+        grip, friction = _with_more_friction(problem, angle)
+        text, report = text + grip, {**report, **friction}
+    return text, report
 
 
 def _nearer_the_normal(problem: PushProblem) -> tuple[str, dict[str, float]]:
@@ -237,13 +248,38 @@ def _nearer_the_normal(problem: PushProblem) -> tuple[str, dict[str, float]]:
     if problem.settings.angle_limit == 'cone':
         largest = problem.planning_cone_angle - MIN_STEERING_ANGLE
     if largest <= 0.0:
-        friction = _needed_friction(problem, abs(offset))
-        return (f'; with a contact friction of {friction:.2g} it could',
-                {'contact_friction': friction})
+        return _with_more_friction(problem, offset)
     turn = math.copysign(abs(offset) - largest, offset)
-    side = 'left' if turn > 0.0 else 'right'
-    return f'; turned by {math.degrees(abs(turn)):.1f} deg to the {side} it could', {'turn': turn}
+    return f'; turned by {_degrees(turn)} deg to the {_side(turn)} it could', {'turn': turn}
+
+
+def _turned_about_the_vertex(problem: PushProblem, turn: float) -> tuple[str, dict[str, float]]:
+    """
+    Tell how a contact at a vertex would not jackknife.
+
+    :param turn: of normal and heading that does [rad].
+    :return: end of the sentence, and numbers by name; nothing where it would leave the vertex.
+    """
+    low, high = normal_range(problem.obj, problem.contact)
+    if (problem.start_normal + turn - low) % (2.0 * math.pi) > high - low:
+        return '', {}
+    return (f'; turned by {_degrees(turn)} deg to the {_side(turn)} about the vertex it could',
+            {'normal': turn})
 
 
 def _to_either_side(angle: float) -> str:
     return f'{math.degrees(angle):.1f} deg to either side'
+
+
+def _side(turn: float) -> str:
+    return 'left' if turn > 0.0 else 'right'
+
+
+def _degrees(angle: float) -> str:
+    """Write the size of an angle that is needed."""
+    return _rounded_up(math.degrees(abs(angle)), 1)
+
+
+def _rounded_up(value: float, digits: int) -> str:
+    """Write a value that is needed, no less of it."""
+    return f'{math.ceil(value * 10**digits) / 10**digits:.{digits}f}'

@@ -3,13 +3,14 @@
 import dataclasses
 import math
 import pickle
+import re
 from typing import Callable
 
 from helpers.objects import bin_, box
 from helpers.push_problems import (
     DIFFERENTIAL, face_problem, HOLONOMIC, round_problem, vertex_problem)
 from push_model.geometry import Pose
-from push_model.parameters import PushedObject, RoundRobot, Support
+from push_model.parameters import Contact, PushedObject, RoundRobot, Support
 from push_model.plan_request import GoalTolerances, PlanFailure
 from push_planner.problem import (
     PlannerSettings, PlanningFailed, problem_from_placement, PushProblem)
@@ -166,7 +167,8 @@ def _slowed(problem: PushProblem, speed: float) -> PushProblem:
         problem.settings, pushing_speed=speed))
 
 
-@pytest.mark.parametrize('problem, name, change', [
+Change = Callable[[PushProblem, float], PushProblem]
+CHANGES: list[tuple[PushProblem, str, Change]] = [
     (vertex_problem(AHEAD, heading=2.0), 'turn', _turned),
     (vertex_problem(AHEAD, heading=-0.3), 'turn', _turned),
     (vertex_problem(AHEAD, normal=0.5, heading=0.5), 'normal', _moved_round),
@@ -176,12 +178,21 @@ def _slowed(problem: PushProblem, speed: float) -> PushProblem:
     (face_problem(AHEAD, offset=0.05), 'contact_friction', _gripped),
     (slippery(0.0), 'contact_friction', _gripped),
     (slippery(0.02), 'contact_friction', _gripped),
+    (_gripped(face_problem(AHEAD, offset=0.05), 0.0), 'contact_friction', _gripped),
     (vertex_problem(AHEAD, pushing_speed=0.6), 'pushing_speed', _slowed),
     (face_problem(Pose(1.5, 0.3, 1.7), robot_yaw='fixed'), 'rotation', _rotated),
-    (face_problem(Pose(1.5, 0.3, -2.9), robot_yaw='fixed'), 'rotation', _rotated)])
+    (face_problem(Pose(1.5, 0.3, -2.9), robot_yaw='fixed'), 'rotation', _rotated)]
+# Name of a number -> how sentences tell it, and its unit.
+SENTENCES = {'turn': (r'turned by (.*) deg to the (left|right) it', math.radians(1.0)),
+             'normal': (r'turned by (.*) deg to the (left|right) about', math.radians(1.0)),
+             'shift': (r'(\d+)() mm nearer to the centre of friction', 1e-3),
+             'contact_friction': (r'with a contact friction of ([\d.]+)() it', 1.0),
+             'rotation': (r'a goal rotated by ([+-][\d.]+)() deg beside', math.radians(1.0))}
+
+
+@pytest.mark.parametrize('problem, name, change', CHANGES)
 def test_the_least_change_that_a_refusal_names_does_and_less_does_not(
-        problem: PushProblem, name: str, change: Callable[[PushProblem, float], PushProblem],
-        ) -> None:
+        problem: PushProblem, name: str, change: Change) -> None:
     with pytest.raises(PlanningFailed) as failure:
         check_feasibility(problem)
     needed = failure.value.report[name]
@@ -189,6 +200,45 @@ def test_the_least_change_that_a_refusal_names_does_and_less_does_not(
     check_feasibility(change(problem, more * needed))
     with pytest.raises(PlanningFailed):
         check_feasibility(change(problem, less * needed))
+
+
+@pytest.mark.parametrize('problem, name, change', [
+    case for case in CHANGES if case[1] in SENTENCES])
+def test_what_the_sentence_of_a_refusal_tells_to_do_is_accepted(
+        problem: PushProblem, name: str, change: Change) -> None:
+    """Numbers are rounded, but never to less than is needed."""
+    with pytest.raises(PlanningFailed) as failure:
+        check_feasibility(problem)
+    pattern, unit = SENTENCES[name]
+    told = re.search(pattern, failure.value.reason)
+    assert told is not None
+    sign = -1.0 if told[2] == 'right' else 1.0
+    check_feasibility(change(problem, sign * unit * float(told[1])))
+
+
+def beside_a_vertex() -> PushProblem:
+    """Push at an obtuse vertex, whose normals are far off the centre of friction."""
+    outline = ((-0.2, 0.0), (0.0, -0.05), (0.4, -0.05), (0.4, 0.3), (0.0, 0.3))
+    supports = [Support(x, y, 0.3) for x, y in ((0.3, 0.0), (0.35, 0.0), (0.3, 0.1))]
+    obj = PushedObject(mass=1.0, inertia=0.1, supports=tuple(supports), outline=outline,
+                       center_of_mass=(0.315, 0.03))
+    return PushProblem(obj, DIFFERENTIAL, Contact('vertex', 1), Pose(0.0, 0.0, 0.0), 1.4, 1.4,
+                       AHEAD)
+
+
+@pytest.mark.parametrize('problem, code', [
+    (vertex_problem(AHEAD, heading=2.0, obj=box(contact_friction_coefficient=0.02)),
+     PlanFailure.FACING_AWAY),
+    (vertex_problem(AHEAD, heading=2.0, obj=box(contact_friction_coefficient=0.0)),
+     PlanFailure.NO_CONTACT_FRICTION),
+    (beside_a_vertex(), PlanFailure.JACKKNIFED)], ids=['away', 'frictionless', 'obtuse'])
+def test_a_refusal_names_no_change_where_none_of_its_kind_would_do(
+        problem: PushProblem, code: PlanFailure) -> None:
+    """No friction turns a robot round, and no turn about a vertex goes beyond its faces."""
+    with pytest.raises(PlanningFailed) as failure:
+        check_feasibility(problem)
+    assert failure.value.code is code
+    assert not failure.value.report and 'it could' not in failure.value.reason
 
 
 def test_a_bin_has_no_vertices():
