@@ -179,7 +179,7 @@ class TidySupervisor:
             return
         self._refused |= {(move.name, move.end)}
         self._failed[move.name, move.is_temporary] += 1
-        if self._failed[move.name, False] >= MAX_FAILURES:
+        if not move.is_temporary and self._failed[move.name, False] >= MAX_FAILURES:
             self._given_up[move.name] = ObjectFailure.PUSHES_FAILED.report(reason=failure)
 
     def cancel(self, cause: AnyReport | str) -> None:

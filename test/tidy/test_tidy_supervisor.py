@@ -86,6 +86,17 @@ def test_an_object_whose_moves_fail_is_given_up_and_the_other_gets_to_its_goal()
     assert supervisor.placed_count == 1
 
 
+def test_an_object_that_is_given_up_keeps_its_reason_where_a_move_aside_fails() -> None:
+    goals = [ObjectGoal('a', box(), RIGHT)]
+    supervisor = TidySupervisor(goals, ROBOT)
+    move = supervisor.next_move(Room(goals).scene)
+    assert move is not None and not move.is_temporary
+    for _ in range(MAX_FAILURES):
+        supervisor.end_move(move, 'no progress')
+    supervisor.end_move(move._replace(is_temporary=True), 'no room')
+    assert 'no progress' in str(supervisor.failures()['a'])
+
+
 def test_what_cannot_be_moved_aside_is_not_tried_for_ever() -> None:
     """A bin at the goal of a box does not move: the box is blocked, by its code."""
     goals = [ObjectGoal('a', box(), MIDDLE), ObjectGoal('bin', bin_())]
