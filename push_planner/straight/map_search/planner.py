@@ -52,9 +52,9 @@ from push_primitives.weights import sample_weights
 # chosen: half of 5 cm leaves doors of 1.25 times the width of the object.
 OBJECT_FRACTION = 0.5
 # Standard deviations of a push that are added to the clearance of the object, for each of the
-# ``CLEARANCE_STEPS``, of which the later ones are only for where nothing is found before; and how
-# far each search goes. Chosen: in public maps, narrow passages and at walls nine of 154 first
-# plans would come later; there the next search finds chains that are as quick.
+# ``CLEARANCE_STEPS``, of which the later ones are only for where nothing is found before; and the
+# most expansions of each search. Chosen: in public maps, narrow passages and at walls only nine of
+# 154 first plans need more; there the next search finds chains that are as quick.
 STD_FACTORS = (1.0, 0.5, 0.0)
 MAX_EXPANSIONS = (300, 150, 250)
 # The last search goes farther, or where all was searched the robot does: round through rooms.

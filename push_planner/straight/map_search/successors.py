@@ -48,9 +48,10 @@ RETREAT = 0.06
 # on which it may keep that of the start [m]; chosen: it can slide along a wall for so long.
 MARGIN_SLOPE = 0.3
 SLIDING_LENGTH = 0.3
-# Clearance that is no longer looked at [m]; what a push may lose where there is little, and by how
-# much it may overlap more than it does, at first and for each length of it [m]; chosen: along a
-# wall a box turns by some degrees, and a disc rolls, until the wall guides them.
+# Clearance that is no longer looked at [m]; what a push may lose where there is little [m]; and by
+# how much it may overlap more than it does, at first [m] and for each length of it [m/m], no more
+# than it may lose. Chosen: along a wall a box turns by some degrees, and a disc rolls, until the
+# wall guides them.
 ENOUGH, LOST_GAP, NEW_OVERLAP, SLIDING_SLOPE = 0.3, 0.018, 0.003, 0.1
 # First length of which the sweep is looked at: shorter ones move the object by less than a margin.
 FIRST_SWEEP = 0.04
