@@ -28,8 +28,9 @@ _mujoco: Any = mujoco
 # come to rest at a wall with little creep.
 ENGINE = dataclasses.replace(TUNED, step=1e-3, margin=0.0)
 CONTACT = Contact(solref=(0.02, 1.0), friction_solref=(0.0, 0.0), impedance=(0.95, 0.95))
-# The bumper on the object; chosen: on its springs it gives way by a millimetre at 10 N. Were it
-# stiff, each touch would be an impact, and the wheels would slip at each.
+# The bumper on the object; chosen: on its springs it gives way by a millimetre at 10 N for an
+# effective mass of some 2 kg, by less for heavier ones. Were it stiff, each touch would be an
+# impact, and the wheels would slip at each.
 BUMPER_CONTACT = Contact(solref=(0.05, 1.0), friction_solref=(0.0, 0.0), impedance=(0.9, 0.9))
 # Damping by which a motor holds its speed [N m s], and inertia of its rotor behind the gears
 # [kg m^2]; chosen: it lags by some 10 ms, and explicit steps are stable.

@@ -7,14 +7,14 @@ frame of the floor,
     min  sum_i |z_i - project(R m_i + t)|^2 / sigma^2 + e_z^2 / h^2 + (n_x^2 + n_y^2) / tau^2
 
 where n is the z axis of the object. The last terms say that it stands on the floor. That it seems
-to be tilted, is the tilt d = (-n_y, n_x, 0) of the camera, which also moves what is seen about the
-lens at l. The rest of its height, and where it stands, are
+tilted, by d = (-n_y, n_x, 0), is taken for a tilt of the camera, which turns its position about
+the lens at l too. Without that tilt it stands at
 
     e = t - d x (t - l)
 
-h and tau are the standard deviations of height and tilt. Steps are those of Levenberg and
-Marquardt, along (t, omega) with dR = omega x R. At the minimum the covariance of a step is
-(J' J)^-1, of which that of e_x, e_y and yaw is made.
+and e_z is what remains of its height. h and tau are the standard deviations of height and tilt.
+Steps are those of Levenberg and Marquardt, along (t, omega) with dR = omega x R. At the minimum
+the covariance of a step is (J' J)^-1, of which that of e_x, e_y and yaw is made.
 """
 
 from typing import NamedTuple

@@ -50,7 +50,6 @@ class PlanRecorder:
             'is_in_map': plan.remaining is not None,
             'goal_distance': distance(request.object_pose, request.goal),
             'goal_heading': abs(wrap_angle(request.object_pose.theta - request.goal.theta)),
-            'contact_friction': request.obj.contact_friction_coefficient,
             **{name: getattr(request, name) for name in (
                 'position_tolerance', 'heading_tolerance', 'robot_deviation', 'odometry_slope',
                 'odometry_drift', 'center_deviation', 'contact_friction_deviation',

@@ -58,9 +58,8 @@ TOLERANCES = {'robot': Tolerance(0.02, math.radians(2.0)),
               'located_robot': Tolerance(0.02, math.radians(2.0)),
               'room': Tolerance(0.01, math.radians(1.0))}
 
-
-# The same as the robot is asked for: half of it where its odometry drifts, as that much of its own
-# errors remains in what it calls done.
+# Part of the tolerance that the robot is asked for; chosen: half of it where its odometry drifts,
+# as it does not know how far what it calls done is off by that drift.
 ASKED_RATIOS = {'robot': 0.5, 'located_robot': 1.0, 'room': 1.0}
 
 

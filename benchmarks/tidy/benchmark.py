@@ -58,7 +58,7 @@ def nearest_first(problem: Rearrangement) -> OrderPlan:
     return OrderPlan(tuple(moves), {}, 0.0, True, 0)
 
 
-# Depth beyond which touches are counted besides [m].
+# Distance by which what was touched moved, beyond which touches are counted besides [m].
 DEEP = 5e-3
 
 ORDERS: dict[str, OrderPlanner] = {'searched': plan_order, 'nearest': nearest_first}

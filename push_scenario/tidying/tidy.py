@@ -102,7 +102,7 @@ class TidyResult:
 
     @property
     def touch_gaps(self) -> list[float]:
-        """Least gap of each touch [m], negative where one body is in the other."""
+        """Least gap of each touch [m], below 0 the distance by which what was touched moved."""
         return [gap for move in self.moves for gap in move.touched.values()]
 
     def errors(self, name: str) -> tuple[float, float]:
