@@ -164,7 +164,7 @@ STUDIES = (
     Study('3.4', 'Point robot: trajectories and inputs for several numbers of segments',
           (*SETUP, SPEED, Parameter('segment_counts', '', 'numbers of constant pushing angles')),
           compute_counts, draw_counts,
-          'All inputs give nearly the same path: with two segments the middle is up to '
+          'All inputs give nearly the same path. With two segments the middle is up to '
           '{difference:.0f} cm beside that with the most, with six {difference_six:.1f} cm. Two '
           'take {lost_fewest:.2f}% longer than the most, six {lost_six:.2f}%.',
           'A goal pose has as many numbers as two angles and a length.',

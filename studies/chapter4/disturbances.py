@@ -8,13 +8,13 @@ from push_scenario.evaluation.metrics import deviation
 from push_sim_node.disturbance import FrictionChange
 from studies.chapter3.setup import contact_on_face, GOAL, POSE_COLUMNS
 from studies.chapter4.disturbances_figure import (
-    draw_centers, draw_inputs, draw_objects, EndTime,
+    draw_centers, draw_inputs, draw_objects, EndTime, REPEATED,
 )
 from studies.chapter4.drawn_intervals import DRAWN, DrawnIntervals
 from studies.chapter4.repeated_push import COLUMNS, median_findings, repeat, RepeatedPush
 from studies.chapter4.setup import (
-    DIPOLE, ExecutedPush, FEEDBACK, FORCE_ANGLE, KEPT_PATH, LABELS, Law, MPC, NO_JUMP_TEST,
-    OBJECT_FRAME, OPEN_LOOP, push, PushSetup, REPLANNED, SETUP, TIME_LIMIT, total_variation,
+    ExecutedPush, FEEDBACK, KEPT_PATH, LABELS, Law, MPC, NO_JUMP_TEST, OBJECT_FRAME, OPEN_LOOP,
+    push, PushSetup, REPLANNED, SETUP, TIME_LIMIT, total_variation,
 )
 from studies.chapter4.support_friction import (
     angle_to_friction_center, draw_coefficients, friction_interval, friction_table,
@@ -27,8 +27,6 @@ LAST_DISTANCE = 0.3
 MILLIMETRES = 1000.0
 CENTIMETRES = 100.0
 LAWS: tuple[Law, ...] = (OPEN_LOOP, OBJECT_FRAME, REPLANNED, FEEDBACK, MPC, NO_JUMP_TEST)
-# Laws under which the box is pushed on each drawn disturbance.
-REPEATED: tuple[Law, ...] = (OPEN_LOOP, REPLANNED, FEEDBACK, FORCE_ANGLE, DIPOLE)
 SUSTAINED_PARAMETERS = (
     *SETUP, GOAL, Parameter('side', '', 'side whose support points change'),
     Parameter('factor', '', 'factor on the friction of these support points'),
@@ -212,7 +210,7 @@ TEMPORARY = _studies(8, 'temporary', TEMPORARY_PARAMETERS, temporary_end, (
             'cm. With feedback the box deviates by {deviation:.0f} cm and ends at {feedback:.1f} '
             'cm (mpc: {mpc:.1f} cm).',
             'Friction is nominal again long before the goal.'),
-    Caption('In open loop the box rotates by {heading_open_loop:.1f} rad: the centre of friction '
+    Caption('In open loop the box rotates by {heading_open_loop:.1f} rad. The centre of friction '
             'is {arm:.1f} m from the contact, the centre of the robot only {radius:.1f} m. '
             '{pushes:.0f} more disturbances have a drawn side, factor, start and interval. Their '
             'median push ends {median_feedback:.1f} cm from the goal under feedback, '
@@ -222,7 +220,7 @@ TEMPORARY = _studies(8, 'temporary', TEMPORARY_PARAMETERS, temporary_end, (
             'steer the position alone.'),
     Caption('Feedback swings to {peak_feedback:.1f} rad and back, to {final_rho:.2f} rad at the '
             'goal. Its angle varies by {variation_feedback:.1f} rad with {new_paths_feedback:.0f} '
-            'new paths (triangles). With three times the threshold there are '
+            'new paths (triangles). With the threefold threshold of 4.1 there are '
             '{new_paths_kept_path:.0f} and {variation_kept_path:.1f} rad, with no test for jumps '
             '{new_paths_no_jump_test:.0f} and {variation_no_jump_test:.1f} rad.',
             'Each spike is the turn of a new path, at most every 0.5 s.')))
@@ -245,7 +243,7 @@ SUSTAINED = _studies(12, 'sustained', SUSTAINED_PARAMETERS, sustained_end, (
     Caption('Feedback ends at {final_rho:.2f} rad over the last {last:.1f} m, where the centre of '
             'friction is at {aim:.2f} rad; its contact has rolled {rolled:.1f} cm. Its angle '
             'varies by {variation_feedback:.1f} rad with {new_paths_feedback:.0f} new paths. With '
-            'three times the threshold there are {new_paths_kept_path:.0f} and '
+            'the threefold threshold of 4.1 there are {new_paths_kept_path:.0f} and '
             '{variation_kept_path:.1f} rad, with no test for jumps {new_paths_no_jump_test:.0f} '
             'and {variation_no_jump_test:.1f} rad.',
             'The contact rolls until it is behind the centre of friction.')))

@@ -22,8 +22,8 @@ OUTLINES = 6
 # By panel: (a) the optimiser, (b) feedback.
 PANELS: tuple[tuple[Law, ...], ...] = (
     (OPEN_LOOP, OBJECT_FRAME, REPLANNED), (FEEDBACK, MPC, NO_JUMP_TEST))
-# Of drawn disturbances.
-ENDS: tuple[Law, ...] = (OPEN_LOOP, REPLANNED, FEEDBACK, FORCE_ANGLE, DIPOLE)
+# Laws under which the box is pushed on each drawn disturbance.
+REPEATED: tuple[Law, ...] = (OPEN_LOOP, REPLANNED, FEEDBACK, FORCE_ANGLE, DIPOLE)
 # Those whose box is drawn.
 OUTLINED: tuple[tuple[Law, ...], ...] = ((OPEN_LOOP, REPLANNED), (FEEDBACK, MPC))
 TITLES = ('optimiser', 'feedback')
@@ -33,7 +33,7 @@ EndTime = Callable[[Values], float]
 
 def draw_centers(end_time: EndTime, figure: Figure, outcome: Outcome, values: Values) -> None:
     """
-    Draw the paths of the middle, one panel for the plan in open loop and one for feedback.
+    Draw the paths of the middle, one panel for the optimiser and one for feedback.
 
     :param end_time: when the disturbance ends.
     """
@@ -72,7 +72,7 @@ def draw_objects(figure: Figure, outcome: Outcome, values: Values) -> None:
         axes.yaxis.set_major_locator(MultipleLocator(0.5))
         axes.label_outer()
         axes.legend(loc='upper left', bbox_to_anchor=(1.0, 1.0))
-    draw_ends(below.subplots(), outcome.tables['ends'], ENDS)
+    draw_ends(below.subplots(), outcome.tables['ends'], REPEATED)
 
 
 def draw_inputs(end_time: EndTime, figure: Figure, outcome: Outcome, values: Values) -> None:

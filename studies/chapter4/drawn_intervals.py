@@ -11,7 +11,8 @@ from studies.framework.parameters import Parameter, Values
 
 DRAWN = (Parameter('factors', '', 'least and greatest factor on the friction of one side'),
          Parameter('start_times', 's', 'earliest and latest start of a disturbance'),
-         Parameter('intervals', 's', 'shortest and longest temporary disturbance'),
+         Parameter('intervals', 's', 'shortest and longest temporary disturbance; without effect '
+                   'on sustained ones'),
          Parameter('seeds', '', 'number of drawn disturbances, each for every law'))
 
 
