@@ -3,8 +3,9 @@ Campaign of faults: each word for each input, at random moments of tasks and of 
 
 Measurements and commands are spoilt between the simulation and the robot in one process: past the
 conversion of messages, the nodes run the same code on them. Goals, maps, plans and stamps are
-spoilt on their way to the controller's node, over DDS in lockstep. Processes are struck while all
-three nodes run on the clock of the wall; and in lockstep they do many tasks in a row.
+spoilt on their way to the controller's node, over DDS in lockstep. Processes are struck while the
+simulated time of all three nodes goes as fast as the clock of the wall; and in lockstep they do
+many tasks in a row.
 """
 
 import argparse
@@ -28,7 +29,9 @@ from benchmarks.faults.report import Findings, stop_table, table, write_report
 from benchmarks.faults.row import append_row, Ending, read_rows, Row
 from benchmarks.faults.simulated import map_of, Record, Simulated, simulated_record
 from benchmarks.faults.soak import read_tasks, run_soak, soak_table
-from benchmarks.faults.surroundings import read_surroundings, run_surroundings
+from benchmarks.faults.surroundings import (
+    read_surroundings, run_surroundings, surroundings_table,
+)
 from benchmarks.faults.verdict import evaluate
 import numpy as np
 from push_scenario.definition.loader import load_scenario
@@ -43,6 +46,7 @@ MOMENTS = {'task_tap': (0.2, 3.5), 'task_demo': (1.0, 21.0), 'task_map': (1.0, 3
            'curved_push': (1.0, 14.0)}
 # Scenario of a robot with a lidar that is lifted, and when [s].
 LIDAR_SCENARIO, LIDAR_MOMENTS = 'task_lidar', (1.0, 40.0)
+SCENARIOS = *MOMENTS, LIDAR_SCENARIO
 # Faults of plans begin at first or second one [s].
 LATEST_PLAN = 1.5
 # Exit status of a program that Ctrl-C has ended, as shells have it.
@@ -69,22 +73,25 @@ def draw(scenarios: Sequence[str], seed: int, count: int) -> list[Case]:
     """
     Draw faults: ``count`` for every scenario, input, word and duration.
 
-    A robot that is lifted is elsewhere for good. One more has a lidar, which finds it.
+    A robot that is lifted is elsewhere for good. That is all that happens to one with a lidar,
+    which finds it.
 
-    :param scenarios: names, of ``MOMENTS``.
+    :param scenarios: names, of ``SCENARIOS``.
     :param seed: of the moments.
     :param count: of moments.
     """
     rng = np.random.default_rng(seed)
-    inputs = [*((scenario, kind) for scenario in scenarios for kind in SIMULATED),
+    without_lidar = [scenario for scenario in scenarios if scenario != LIDAR_SCENARIO]
+    inputs = [*((scenario, kind) for scenario in without_lidar for kind in SIMULATED),
               *((NODE_SCENARIO, kind) for kind in Input
                 if kind not in IN_PROCESS and NODE_SCENARIO in scenarios),
-              *((scenario, Input.BASE) for scenario in scenarios)]
+              *((scenario, Input.BASE) for scenario in without_lidar)]
     cases = [Case(scenario, Fault(kind, word, start, start + duration))
              for scenario, kind in inputs for word in words_of(kind) for duration in DURATIONS
              for start in _moments(scenario, kind, word, rng, count)]
     with_lidar = [Case(LIDAR_SCENARIO, Fault(Input.ODOMETRY, Word.LIFTED, start, math.inf))
-                  for start in rng.uniform(*LIDAR_MOMENTS, count).round(2).tolist()]
+                  for start in rng.uniform(*LIDAR_MOMENTS, count).round(2).tolist()
+                  if LIDAR_SCENARIO in scenarios]
     return [case for case in [*cases, *with_lidar] if not (
         case.fault.is_temporary and case.fault.word is Word.LIFTED)]
 
@@ -156,12 +163,14 @@ def _run(options: argparse.Namespace) -> int:
         path = options.folder / SURROUNDINGS
         path.unlink(missing_ok=True)
         run_surroundings(path, options.only_surroundings)
-        return int(any(not row.is_ok for row in read_surroundings(path)))
+        surroundings = read_surroundings(path)
+        print(surroundings_table(surroundings))
+        return int(any(not row.is_ok for row in surroundings))
     if not options.resume:
         for name in (SOAK_TASKS,) if options.only_soak else (
                 ROWS, PROCESS_ROWS, SURROUNDINGS, SOAK_TASKS):
             (options.folder / name).unlink(missing_ok=True)
-    scenarios = options.scenario or list(MOMENTS)
+    scenarios = options.scenario or SCENARIOS
     if options.only:
         cases = [case for case in draw(scenarios, options.seed, options.count)
                  if f'{case.fault.input.value} {case.fault.word.value}'.startswith(options.only)]
@@ -195,7 +204,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument('--count', type=int, default=1,
                         help='moments per case; another seed draws others')
-    parser.add_argument('--scenario', action='append', choices=list(MOMENTS),
+    parser.add_argument('--scenario', action='append', choices=SCENARIOS,
                         help='again for more; all by default')
     parser.add_argument('--seed', type=int, default=1)
     parser.add_argument('--soak', type=int, default=100, help='tasks in a row in one set of nodes')

@@ -1,5 +1,5 @@
 """
-Cases of commands: parameter files of any content, caches that are spoilt, full disks, signals.
+Cases of commands: parameter files of any content, spoilt caches, files that may not grow, signals.
 
 Each command runs in processes of its own. What it leaves running is found by a mark in the
 environment that all its processes inherit.
@@ -16,6 +16,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import textwrap
 import time
 from typing import NamedTuple
 import uuid
@@ -41,10 +42,10 @@ PERIOD = 0.05
 REFUSED, INTERRUPTED, TERMINATED = 2, 130, 143
 # What each mark begins with, and the variable of the environment that has it.
 MARK = 'PUSH_CONTROL_SURROUNDINGS'
-# Part of the files of the cache that are spoilt, and bytes of each; largest file on a full disk
+# Part of the files of the cache that are spoilt, and bytes of each; limit of the size of files
 # [bytes]; chosen: a recording begins, and does not end.
 SPOILT_PART, SPOILT_BYTES = 0.3, 16
-DISK_SIZE = 20_000
+FILE_LIMIT = 20_000
 # What is told of the last line that was printed: without these, and so many characters.
 FOLDERS, LOG_HEAD = re.compile(r'/\S+/'), re.compile(r'^(\[.*?\] ?)+: ')
 MAX_LENGTH = 150
@@ -79,8 +80,9 @@ class Finished(NamedTuple):
 
 
 def _shortened(text: str) -> str:
-    """Leave out what differs each time: folders, and the head of a line of a log."""
-    return FOLDERS.sub('', LOG_HEAD.sub('', text)).replace('|', '/')[:MAX_LENGTH]
+    """Leave out what differs each time, folders and the head of a line of a log, and the end."""
+    line = FOLDERS.sub('', LOG_HEAD.sub('', text)).replace('|', '/')
+    return textwrap.shorten(line, MAX_LENGTH, placeholder=' ...')
 
 
 def run_command(arguments: Sequence[str], *, is_ready: Callable[[], bool] | None = None,
@@ -218,9 +220,9 @@ def _replay_with_signal(signum: int, expected: int) -> Observation:
         ).observation(expected)
 
 
-def _replay_on_full_disk() -> Observation:
+def _replay_with_file_limit() -> Observation:
     with tempfile.TemporaryDirectory() as folder:
-        return run_command(_replay(SCENARIO, Path(folder)), file_limit=DISK_SIZE,
+        return run_command(_replay(SCENARIO, Path(folder)), file_limit=FILE_LIMIT,
                            ).observation(REFUSED)
 
 
@@ -241,5 +243,5 @@ COMMAND_CASES: dict[str, Callable[[], Observation]] = {
     'replay: SIGTERM': functools.partial(_replay_with_signal, signal.SIGTERM, TERMINATED),
     'replay: SIGKILL': functools.partial(
         _replay_with_signal, signal.SIGKILL, -int(signal.SIGKILL)),
-    'replay: full disk': _replay_on_full_disk,
+    'replay: a limit of the size of files': _replay_with_file_limit,
 }

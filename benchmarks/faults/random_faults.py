@@ -6,7 +6,7 @@ itself. Faults are those that are done between the simulation and the robot in o
 are on open floor, in maps, at walls and with bases that do not do what they are told.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from concurrent import futures
 import dataclasses
 import math
@@ -24,6 +24,7 @@ from benchmarks.tasks.bases import BAD_BASES
 from benchmarks.tasks.cases import BASES, draw as draw_task, IN_MAPS, KINDS, OPEN, WALLS
 from benchmarks.tasks.varieties import STRIDE
 import numpy as np
+from push_control.events import TaskEvent
 from push_planner.problem import PlanningFailed
 from push_scenario.definition.catalogue import scenario_names
 from push_scenario.definition.loader import load_scenario
@@ -48,6 +49,9 @@ TIME_AFTER = 1000.0
 # By how much farther the object may get from its goal than it was when the first fault began [m];
 # chosen: tasks begin with pushes away from the goal, and pushes that go round take theirs so far.
 MAX_RECESSION = 1.0
+# Codes that say only that a task is given up, and that another reason follows.
+GIVEN_UP = frozenset(map(str, (
+    TaskEvent.ABORTED, TaskEvent.ABORTED_AFTER, TaskEvent.ABORTED_INCONSISTENT)))
 # Seeds of random tasks. With bases each task comes once with each base, in ``STRIDE`` seeds.
 TASK_SEEDS = 1000
 
@@ -168,7 +172,17 @@ def _ends_so_anyway(scenario: Scenario, simulated: Simulated) -> bool:
     """Tell whether a task ends for one of the same reasons without any fault, too."""
     harmless = Injection(Fault(Input.COMMAND, Word.OFF, math.inf, math.inf))
     without = simulated_record(scenario, [harmless], TIME_AFTER)
-    return without.ending is not Ending.DONE and not set(without.codes).isdisjoint(simulated.codes)
+    return without.ending is not Ending.DONE and share_reason(without.codes, simulated.codes)
+
+
+def share_reason(codes: Collection[str], others: Collection[str]) -> bool:
+    """
+    Tell whether two runs end for one of the same reasons; that both are given up is none.
+
+    :param codes: names of the codes of one.
+    :param others: names of the codes of the other.
+    """
+    return not (set(codes) & set(others)) <= GIVEN_UP
 
 
 def _scenario(task: str) -> Scenario:

@@ -76,8 +76,8 @@ class SoakTask(NamedTuple):
     :param duration: simulated [s].
     :param wall_time: [s].
     :param nodes: ``Sample`` by name of the node.
-    :param first: number of the task with which these nodes began; 0 unless it was interrupted.
     :param reference: CPU time of the fixed computation after it [s].
+    :param first: number of the task with which these nodes began; 0 unless it was interrupted.
     """
 
     is_done: bool
@@ -85,8 +85,8 @@ class SoakTask(NamedTuple):
     duration: float
     wall_time: float
     nodes: dict[str, Sample]
+    reference: float
     first: int = 0
-    reference: float = 1.0
 
 
 class _Monitor:
@@ -172,7 +172,7 @@ def _do_task(goal: Pose, client: ReplayClient, monitor: _Monitor,
         monitor.state is TaskState.DONE, monitor.reason, monitor.since - start,
         time.monotonic() - began,
         {name: sample(nodes.pid(name), cpu) for name, cpu in before.items()},
-        reference=reference_time())
+        reference_time())
 
 
 def reference_time() -> float:

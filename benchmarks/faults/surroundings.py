@@ -40,8 +40,12 @@ class SurroundingsRow(NamedTuple):
 
     def __str__(self) -> str:
         """Write one line."""
-        return f'{self.name}: {self.seen} ({self.duration:.1f} s)' + ''.join(
-            f' VIOLATES: {fault}' for fault in self.faults)
+        return f'{self.name}: {self.seen} ({self.duration:.1f} s){self.violation_text}'
+
+    @property
+    def violation_text(self) -> str:
+        """What is not as it should be, as the end of a line."""
+        return ''.join(f' VIOLATES: {fault}' for fault in self.faults)
 
 
 def run_surroundings(path: Path, only: str = '') -> None:
@@ -91,5 +95,5 @@ def surroundings_table(rows: Sequence[SurroundingsRow]) -> str:
     :return: Markdown.
     """
     return '\n'.join([HEADER, *(
-        f'| {row.name} | {"; ".join([row.seen, *row.faults])} | {row.duration:.0f} |'
+        f'| {row.name} | {row.seen}{row.violation_text} | {row.duration:.0f} |'
         for row in rows)])

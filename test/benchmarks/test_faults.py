@@ -2,7 +2,8 @@
 
 import math
 
-from benchmarks.faults.campaign import Case, draw, run
+from benchmarks.faults.campaign import Case, draw, LIDAR_SCENARIO, run, SCENARIOS
+from benchmarks.faults.commands import Finished, MAX_LENGTH
 from benchmarks.faults.injection import (
     Fault, IN_PROCESS, Injection, Input, Word, words_of,
 )
@@ -10,8 +11,8 @@ from benchmarks.faults.process_rig import (
     append_process_row, process_faults, ProcessRow, read_process_rows,
 )
 from benchmarks.faults.random_faults import (
-    append_random_row, CATALOGUE, draw_case, LONGEST, RandomRow, read_random_rows, run_many,
-    SHORTEST, SORTS,
+    append_random_row, CATALOGUE, draw_case, GIVEN_UP, LONGEST, RandomRow, read_random_rows,
+    run_many, share_reason, SHORTEST, SORTS,
 )
 from benchmarks.faults.report import Findings, table, write_report
 from benchmarks.faults.row import append_line, Ending, Row
@@ -141,9 +142,9 @@ def test_outliers_cost_nothing(scenario):
 def test_every_word_is_drawn_for_every_input():
     """And has a line in the table, unless each run was done."""
     drawn = draw([PUSH, TASK], seed=1, count=2)
-    # For both scenarios, moments and durations; a robot is lifted for good, and one has a lidar.
+    # For both scenarios, moments and durations; a robot is lifted for good.
     words = {kind: len(words_of(kind)) for kind in Input}
-    assert len(drawn) - 2 == (
+    assert len(drawn) == (
         4 * (sum(words.values()) + sum(words[kind] for kind in IN_PROCESS)) - 4)
     assert draw([PUSH, TASK], seed=1, count=2) == drawn
     row = run(Case(PUSH, Fault(Input.POSE, Word.SLOW, 1.0, 1.5)), time_after=1.0)
@@ -154,6 +155,31 @@ def test_every_word_is_drawn_for_every_input():
     assert len(table([done, done._replace(violations=('NOT_AT_GOAL',))]).splitlines()) == 3
 
 
+def test_only_the_scenarios_that_are_asked_for_are_drawn() -> None:
+    """All that happens to a robot with a lidar is that it is lifted."""
+    for scenarios in ([PUSH], [TASK, LIDAR_SCENARIO], SCENARIOS):
+        assert {case.scenario for case in draw(scenarios, 1, 1)} == set(scenarios)
+    assert [case.fault.word for case in draw([LIDAR_SCENARIO], 1, 2)] == [Word.LIFTED] * 2
+
+
+def test_two_runs_that_are_given_up_share_no_reason_by_that_alone() -> None:
+    """What they are given up for counts."""
+    given_up = ('TaskEvent.ABORTED_AFTER', 'TaskEvent.ABORTED', 'TaskEvent.ABORTED_INCONSISTENT')
+    assert GIVEN_UP == set(given_up)
+    assert not share_reason(given_up, given_up) and not share_reason((), ())
+    assert not share_reason((*given_up, 'SafetyReason.NOT_MOVING'),
+                            (*given_up, 'BehaviorFailure.STALLED'))
+    assert share_reason((*given_up, 'SafetyReason.NOT_MOVING'), ('SafetyReason.NOT_MOVING',))
+
+
+def test_what_is_told_of_a_line_ends_with_a_word() -> None:
+    """And says that there is more."""
+    lines = [' '.join(['word'] * count) for count in (1, MAX_LENGTH)]
+    short, long = (Finished(0, line, 0).observation(0).seen for line in lines)
+    assert short == 'word'
+    assert len(long) <= MAX_LENGTH and set(long.split()) == {'word', '...'}
+
+
 def test_the_report_has_everything(tmp_path):
     """Runs, stops, processes and the soak; numbers that were not measured leave no hole."""
     fault = Fault(Input.POSE, Word.OFF, 1.0, math.inf)
@@ -161,9 +187,9 @@ def test_the_report_has_everything(tmp_path):
     process = ProcessRow(process_faults()[0], Ending.WAITS, 'waits for a goal', (),
                          ('STILL_DRIVES',), math.nan)
     node = Sample(100.0, 18, 15, 0.5)
-    task = SoakTask(True, '', 5.0, 2.0, {'push_sim': node})
+    task = SoakTask(True, '', 5.0, 2.0, {'push_sim': node}, 0.1)
     path = tmp_path / 'faults.md'
-    case = SurroundingsRow('a full disk', 'says so', ('leaves 2 processes',), 3.0)
+    case = SurroundingsRow('a folder as a file', 'says so', ('leaves 2 processes',), 3.0)
     append_line(tmp_path / 'surroundings.jsonl', case._asdict())
     assert read_surroundings(tmp_path / 'surroundings.jsonl') == [case]
     everything = Findings([row], [process], [case], [task] * 20)
@@ -174,7 +200,7 @@ def test_the_report_has_everything(tmp_path):
         assert '| odometry or poses off, stuck or garbage | 1 | 0.20 |' in text
     write_report(path, everything, '')
     text = path.read_text(encoding='utf-8')
-    assert '| a full disk | says so; leaves 2 processes | 3 |' in text
+    assert '| a folder as a file | says so VIOLATES: leaves 2 processes | 3 |' in text
     assert '2 violate what is expected' in text and 'waits VIOLATES: STILL_DRIVES' in text
     assert '20 tasks in a row, 100 s simulated: 20 done.' in text
     assert '| `push_sim`: memory [MB] | 100.0 | 100.0 | 1.000 |' in text
@@ -187,7 +213,7 @@ def test_what_was_found_is_read_back(tmp_path):
     for row in rows:
         append_process_row(tmp_path / 'processes.jsonl', row)
     assert read_process_rows(tmp_path / 'processes.jsonl') == rows
-    tasks = [SoakTask(False, 'reason', 5.0, 2.0, {'push_sim': Sample(1.0, 2, 3, 4.0)})]
+    tasks = [SoakTask(False, 'reason', 5.0, 2.0, {'push_sim': Sample(1.0, 2, 3, 4.0)}, 0.1)]
     tasks.append(tasks[0]._replace(is_done=True, first=1))
     for task in tasks:
         append_task(tmp_path / 'soak.jsonl', task)
