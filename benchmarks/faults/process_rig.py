@@ -1,10 +1,10 @@
 """
 Faults of processes: a node that is killed, suspended or started again, in each state of a task.
 
-Simulator, planner and controller run over DDS on the clock of the wall, as on a robot, and do one
-task after the other. In a state of the task one of them is struck; what is left of them has to
-stand or to go on by itself, and to say so. A controller that was lost has forgotten its goal, and
-a simulator that was lost its world: then somebody has to set the next goal.
+Simulator, planner and controller run over DDS, and do one task after the other. Simulated time
+goes as fast as the clock of the wall. In a state of the task one of them is struck; what is left
+of them has to stand or to go on by itself, and to say so. A controller that was lost has forgotten
+its goal, and a simulator that was lost its world: then somebody has to set the next goal.
 """
 
 from collections.abc import Callable, Generator, Sequence
@@ -166,8 +166,7 @@ class TaskMonitor:
         self.stood_at = math.nan
         # What the controller has reported since then, by code.
         self.seen: set[str] = set()
-        # Longest time between two commands of one state in which the robot moves, since then [s].
-        self.command_gap = 0.0
+        self._command_gap = 0.0
         self._commanded_at = math.nan
 
     def watch(self) -> None:
@@ -175,7 +174,22 @@ class TaskMonitor:
         self.stood_at, self.error = math.nan, ''
         self.changed_at = time.monotonic()
         self.seen = set()
-        self.command_gap, self._commanded_at = 0.0, math.nan
+        self._command_gap, self._commanded_at = 0.0, math.nan
+
+    @property
+    def command_gap(self) -> float:
+        """Longest time between two commands, or after the last, while the robot moves [s]."""
+        if self.state not in MOVING or math.isnan(self._commanded_at):
+            return self._command_gap
+        return max(self._command_gap, time.monotonic() - self._commanded_at)
+
+    def has_reached(self, state: TaskState) -> bool:
+        """
+        Tell whether a task is in a state, and the robot drives if it moves in that.
+
+        :param state: the ``TaskState``.
+        """
+        return self.state is state and not (state in MOVING and self.stands)
 
     def on_message(self, topic: str, data: bytes) -> None:
         """Take in a message."""
@@ -202,14 +216,12 @@ class TaskMonitor:
                     self.reason, self.codes = status.message, notices(status.message)
 
     def _on_command(self) -> None:
-        now = time.monotonic()
-        if self.state in MOVING and now > self._commanded_at:
-            self.command_gap = max(self.command_gap, now - self._commanded_at)
-        self._commanded_at = now
+        self._command_gap = self.command_gap
+        self._commanded_at = time.monotonic()
 
     def _on_state(self, state: TaskState, reason: str) -> None:
         if state is not self.state:
-            self._commanded_at = math.nan
+            self._command_gap, self._commanded_at = self.command_gap, math.nan
         if (state, reason) != (self.state, self.reason):
             self.state = state
             self.reason = reason
@@ -229,6 +241,7 @@ class ProcessRig:
         """
         self.nodes = nodes
         self.files = files
+        self.folder = files[CONTROLLER].parent
         self._rng = np.random.default_rng(seed)
         self.monitor = TaskMonitor()
         self._client = ReplayClient(nodes.domain, True, self.monitor.on_message, lambda: None,
@@ -257,7 +270,7 @@ class ProcessRig:
         self.await_nodes()
         self.reach(fault.state)
         monitor.watch()
-        struck_at = monitor.changed_at
+        struck_at = time.monotonic()
         self._strike(fault)
         while not self._has_ended(struck_at):
             self._client.pump()
@@ -281,14 +294,14 @@ class ProcessRig:
 
     def reach(self, state: TaskState) -> None:
         """
-        Set goals until a task is in a state.
+        Set goals until a task is in a state, and the robot drives if it moves in that.
 
         :param state: the ``TaskState``.
         """
         monitor = self.monitor
         self.set_goal()
         end = time.monotonic() + STATE_TIMEOUT
-        while monitor.state is not state:
+        while not monitor.has_reached(state):
             if time.monotonic() > end:
                 raise ReplayFailed(f'timed out after {STATE_TIMEOUT:g} s waiting for the state '
                                    f'{state.value}; it is {monitor.state.value}, {monitor.reason}')

@@ -1,12 +1,14 @@
 """
 Cases of strangers: what others publish, call and send beside three nodes that do tasks.
 
-The nodes run on the clock of the wall. After each case another task has to be done.
+The nodes run in simulated time, which goes as fast as the clock of the wall. After each case
+another task has to be done.
 """
 
 from collections.abc import Callable, Generator
 import contextlib
 import math
+from pathlib import Path
 import signal
 import subprocess
 import sys
@@ -75,6 +77,8 @@ class StrangerRig:
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
         self._publishers: dict[str, Any] = {}
+        # How much of each log belongs to cases before [bytes].
+        self._log_starts: dict[Path, int] = {}
 
     def close(self) -> None:
         """Leave the domain."""
@@ -89,11 +93,20 @@ class StrangerRig:
         :param topic: its name.
         :param message: of any type.
         """
+        self.advertise(topic, type(message))
+        self._publishers[topic].publish(message)
+
+    def advertise(self, topic: str, kind: type[Any]) -> None:
+        """
+        Wait until somebody listens to a topic.
+
+        :param topic: its name.
+        :param kind: of its messages.
+        """
         if topic not in self._publishers:
             qos = TOPICS[topic].publish_qos if topic in TOPICS else 10
-            self._publishers[topic] = self.node.create_publisher(type(message), topic, qos)
+            self._publishers[topic] = self.node.create_publisher(kind, topic, qos)
             self.wait(lambda: self._publishers[topic].get_subscription_count() > 0)
-        self._publishers[topic].publish(message)
 
     def spin(self, duration: float = 0.0) -> None:
         """
@@ -133,7 +146,7 @@ class StrangerRig:
             self.spin(PERIOD)
 
     def moving(self) -> None:
-        """Wait until a task is under way, and watch from now on."""
+        """Wait until the robot drives in a task, and watch from now on."""
         self.rig.await_nodes()
         self.rig.reach(TaskState.APPROACH)
         self.rig.monitor.watch()
@@ -146,11 +159,31 @@ class StrangerRig:
         since = time.monotonic()
         if not self.wait(lambda: monitor.state is TaskState.DONE and monitor.changed_at > since):
             faults.append(f'the next task is not done: {monitor.state.value}, {monitor.reason}')
-        for path in self.rig.files.values():
-            log = path.parent / f'{path.stem}.log'
-            if log.is_file():
-                faults += traceback_in(log.read_text(encoding='utf-8', errors='replace'))
-        return Observation(seen, tuple(faults))
+        return Observation(seen, (*faults, *self.tracebacks()))
+
+    def tracebacks(self) -> list[str]:
+        """Quote the tracebacks that any node has written since this was last asked."""
+        quotations: list[str] = []
+        for log in sorted(self.rig.folder.glob('*.log')):
+            content = log.read_bytes()
+            new = content[self._log_starts.get(log, 0):]
+            self._log_starts[log] = len(content)
+            quotations += traceback_in(new.decode(errors='replace'))
+        return quotations
+
+    def start_again(self, name: str) -> None:
+        """
+        Start a node that has ended; its log begins anew.
+
+        :param name: of the node.
+        """
+        self._log_starts.pop(self.rig.folder / f'{name}.log', None)
+        self.rig.start(name)
+
+    def gap_faults(self) -> list[str]:
+        """List a fault where the controller did not command the robot for too long."""
+        gap = self.rig.monitor.command_gap
+        return [f'no command for {gap:.2f} s'] if gap > MAX_COMMAND_GAP else []
 
     def names(self, code: object) -> list[str]:
         """List a fault where the controller has not told a code."""
@@ -182,9 +215,9 @@ def _huge_map(stranger: StrangerRig) -> Observation:
                                 str(HUGE_MAP)], env=private_environment(stranger.rig.nodes.domain))
     stranger.wait(lambda: process.poll() is not None)
     process.kill()
-    gap, faults = monitor.command_gap, stranger.names(Notice.MAP_REFUSED)
-    if gap > MAX_COMMAND_GAP:
-        faults.append(f'no command for {gap:.2f} s')
+    stranger.wait(lambda: str(Notice.MAP_REFUSED) in monitor.seen)
+    gap = monitor.command_gap
+    faults = stranger.names(Notice.MAP_REFUSED) + stranger.gap_faults()
     message = OccupancyGrid()
     message.header.frame_id = Frames().world_frame
     message.info.resolution, message.info.width, message.info.height = 0.1, 100, 100
@@ -196,6 +229,7 @@ def _huge_map(stranger: StrangerRig) -> Observation:
 
 
 def _tilted_poses(stranger: StrangerRig) -> Observation:
+    stranger.advertise('object_pose', PoseStamped)
     stranger.moving()
     message = PoseStamped(pose=to_pose_message(Pose(0.0, 0.0, 0.0)))
     message.header.frame_id = Frames().world_frame
@@ -230,49 +264,56 @@ def _second_controller(stranger: StrangerRig) -> Observation:
 
 def _clock_steps(stranger: StrangerRig) -> Observation:
     """Let a second clock be an hour ahead for a while."""
+    stranger.advertise('/clock', Clock)
     stranger.moving()
     rig, start = stranger.rig, time.monotonic()
     stranger.repeat('/clock', lambda: Clock(clock=to_stamp(
         CLOCK_STEP + time.monotonic() - start)))
     seen = ', '.join(sorted(rig.monitor.seen)) or 'nothing is told'
-    return stranger.finish(f'{seen}; longest gap of commands {rig.monitor.command_gap:.2f} s', [])
+    return stranger.finish(f'{seen}; longest gap of commands {rig.monitor.command_gap:.2f} s',
+                           stranger.gap_faults())
 
 
 def _goals_at_shutdown(stranger: StrangerRig) -> Observation:
     """Publish goals while the controller ends."""
-    stranger.moving()
-    nodes, goal = stranger.rig.nodes, PoseStamped(pose=to_pose_message(Pose(0.02, 0.0, 0.0)))
+    goal = PoseStamped(pose=to_pose_message(Pose(0.02, 0.0, 0.0)))
     goal.header.frame_id = Frames().world_frame
+    stranger.advertise('goal_pose', PoseStamped)
+    stranger.moving()
+    since = time.monotonic()
     stranger.publish('goal_pose', goal)
-    nodes.send(CONTROLLER, signal.SIGINT)
-    end = time.monotonic() + 1.0
-    while time.monotonic() < end:
+    stranger.rig.nodes.send(CONTROLLER, signal.SIGINT)
+    while time.monotonic() < since + 1.0:
         stranger.publish('goal_pose', goal)
-        stranger.spin()
-    return _restarted(stranger)
+        stranger.spin(PERIOD)
+    return _restarted(stranger, since)
 
 
 def _user_signal(stranger: StrangerRig) -> Observation:
     """Send a signal that nobody expects in the middle of a task."""
     stranger.moving()
+    since = time.monotonic()
     stranger.rig.nodes.send(CONTROLLER, signal.SIGUSR1)
-    return _restarted(stranger)
+    return _restarted(stranger, since)
 
 
-def _restarted(stranger: StrangerRig) -> Observation:
-    """Wait until the robot stands and the controller has ended, and start it again."""
+def _restarted(stranger: StrangerRig, since: float) -> Observation:
+    """
+    Wait until the robot stands and the controller has ended, and start it again.
+
+    :param stranger: the ``StrangerRig``.
+    :param since: when the controller was asked to end [s].
+    """
     rig, faults = stranger.rig, list[str]()
-    start = time.monotonic()
     if not stranger.wait(lambda: not math.isnan(rig.monitor.stood_at), 5.0):
         faults.append('the robot drives')
-    elapsed = time.monotonic() - start
+    elapsed = rig.monitor.stood_at - since
     rig.nodes.stop(CONTROLLER)
-    log = rig.files[CONTROLLER].parent / f'{CONTROLLER}.log'
-    faults += traceback_in(log.read_text(encoding='utf-8', errors='replace'))
+    faults += stranger.tracebacks()
     rig.monitor.nodes.discard(CONTROLLER)
     rig.monitor.state = TaskState.IDLE
-    rig.start(CONTROLLER)
-    return stranger.finish(f'ends well; the robot stands after {elapsed:.1f} s', faults)
+    stranger.start_again(CONTROLLER)
+    return stranger.finish(f'ends well; the robot stands after {elapsed:.2f} s', faults)
 
 
 def _huge_parameters(stranger: StrangerRig) -> Observation:
@@ -283,14 +324,20 @@ def _huge_parameters(stranger: StrangerRig) -> Observation:
     values = [ParameterValue(type=ParameterType.PARAMETER_INTEGER, integer_value=HUGE),
               *(ParameterValue(type=ParameterType.PARAMETER_DOUBLE, double_value=value)
                 for value in (math.nan, math.inf, 1e308))]
-    names = 'control.heading_count', 'control.pose_timeout', 'supervision.position_tolerance'
+    names = 'control.pose_gate', 'control.pose_timeout', 'supervision.position_tolerance'
     parameters = [Parameter(name=name, value=value) for name in names for value in values]
-    results = [result for parameter in parameters for result in stranger.call(
-        client.call_async(SetParameters.Request(parameters=[parameter]))).results]
-    accepted = [f'{parameter.name}: accepts {parameter.value.integer_value or ""}'
-                f'{parameter.value.double_value or ""}'
-                for parameter, result in zip(parameters, results) if result.successful]
-    return stranger.finish(f'{len(results)} values refused, as: {results[0].reason}', accepted)
+    faults, refusals = list[str](), list[str]()
+    for parameter in parameters:
+        answer = stranger.call(client.call_async(SetParameters.Request(parameters=[parameter])))
+        if answer is None:
+            faults.append(f'{parameter.name}: no answer')
+        elif answer.results[0].successful:
+            faults.append(f'{parameter.name}: accepts {parameter.value.integer_value or ""}'
+                          f'{parameter.value.double_value or ""}')
+        else:
+            refusals.append(answer.results[0].reason)
+    return stranger.finish('; as: '.join([f'{len(refusals)} of {len(parameters)} values refused',
+                                          *refusals[:1]]), faults)
 
 
 def _action_storm(stranger: StrangerRig) -> Observation:
@@ -320,8 +367,11 @@ def _action_storm(stranger: StrangerRig) -> Observation:
     answered = sum(answer.done() for answer in answers)
     missing = sum(not result.done() for result in results)
     client.destroy()
-    seen = f'{STORM_SIZE} goals, {answered} answered, {len(results)} accepted'
-    return stranger.finish(seen, [f'{missing} without a result'] if missing else [])
+    faults = [text for text, is_so in (
+        ('no request is answered', not answered),
+        (f'{missing} accepted goals without a result', missing)) if is_so]
+    return stranger.finish(f'{STORM_SIZE - answered} of {STORM_SIZE} requests got no answer, '
+                           f'{len(results)} goals were accepted', faults)
 
 
 STRANGER_CASES: dict[str, Callable[[StrangerRig], Observation]] = {

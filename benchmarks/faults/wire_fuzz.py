@@ -1,10 +1,10 @@
 """
 Twenty minutes of random messages over DDS: no node may end, or write a traceback.
 
-Planner, controller and simulator run on the clock of the wall. Beside them messages are published
-on all topics that they read. Their fields hold anything that their types allow, and some are cut
-off after any byte. Storms of goals come, and services are called in any order. In the end all
-nodes are asked to end, and have to do so well.
+Simulated time of planner, controller and simulator goes as fast as the clock of the wall. Beside
+them messages are published on all topics that they read. Their fields hold anything that their
+types allow, and some are cut off after any byte. Storms of goals come, and services are called in
+any order. In the end all nodes are asked to end, and have to do so well.
 """
 
 import argparse

@@ -8,7 +8,7 @@ from benchmarks.faults.injection import (
     Fault, IN_PROCESS, Injection, Input, Word, words_of,
 )
 from benchmarks.faults.process_rig import (
-    append_process_row, process_faults, ProcessRow, read_process_rows,
+    append_process_row, MOVING, process_faults, ProcessRow, read_process_rows, TaskMonitor,
 )
 from benchmarks.faults.random_faults import (
     append_random_row, CATALOGUE, draw_case, GIVEN_UP, LONGEST, RandomRow, read_random_rows,
@@ -20,8 +20,11 @@ from benchmarks.faults.simulated import simulated_record
 from benchmarks.faults.soak import append_task, read_tasks, Sample, SoakTask
 from benchmarks.faults.surroundings import read_surroundings, SurroundingsRow
 from benchmarks.faults.verdict import deviation
+from nav_msgs.msg import Odometry
+from push_control.task.status import TaskState
 from push_scenario.definition.loader import load_scenario
 import pytest
+from rclpy.serialization import serialize_message
 
 pytestmark = pytest.mark.slow
 PUSH, TASK = 'curved_push', 'task_tap'
@@ -160,6 +163,44 @@ def test_only_the_scenarios_that_are_asked_for_are_drawn() -> None:
     for scenarios in ([PUSH], [TASK, LIDAR_SCENARIO], SCENARIOS):
         assert {case.scenario for case in draw(scenarios, 1, 1)} == set(scenarios)
     assert [case.fault.word for case in draw([LIDAR_SCENARIO], 1, 2)] == [Word.LIFTED] * 2
+
+
+def _odometry(speed: float) -> bytes:
+    message = Odometry()
+    message.twist.twist.linear.x = speed
+    return serialize_message(message)
+
+
+@pytest.mark.parametrize('state', MOVING)
+def test_a_state_in_which_the_robot_moves_is_reached_once_it_drives(state: TaskState) -> None:
+    """Where it plans, there is nothing to wait for."""
+    monitor = TaskMonitor()
+    monitor.state = state
+    assert not monitor.has_reached(state)
+    monitor.on_message('odom', _odometry(0.1))
+    monitor.watch()
+    assert monitor.has_reached(state) and math.isnan(monitor.stood_at)
+    assert not monitor.has_reached(TaskState.PLAN)
+    monitor.on_message('odom', _odometry(0.0))
+    assert not monitor.has_reached(state) and monitor.stood_at >= monitor.changed_at
+    monitor.state = TaskState.PLAN
+    assert monitor.has_reached(TaskState.PLAN)
+
+
+def test_commands_that_no_longer_come_are_a_gap_too() -> None:
+    """It grows, and is kept until somebody watches anew."""
+    monitor = TaskMonitor()
+    monitor.state = TaskState.PUSH
+    assert monitor.command_gap == 0.0
+    monitor.on_message('cmd_vel', b'')
+    first, gap = monitor.command_gap, max(monitor.command_gap for _ in range(1000))
+    assert gap > first
+    monitor.on_message('cmd_vel', b'')
+    assert monitor.command_gap >= gap > 0.0
+    monitor.state = TaskState.DONE
+    assert monitor.command_gap >= gap
+    monitor.watch()
+    assert monitor.command_gap == 0.0
 
 
 def test_two_runs_that_are_given_up_share_no_reason_by_that_alone() -> None:
