@@ -1,5 +1,6 @@
 """Laws of other authors for a push at one point, programmed from their formulas."""
 
+import abc
 import math
 
 from push_control.steered.laws.command import contact_speed
@@ -52,7 +53,7 @@ def dipole_direction(object_position: Coordinates, robot_position: Coordinates,
     return towards + 2.0 * (bearing - towards)
 
 
-class PublishedLaw(SinglePushControl):
+class PublishedLaw(SinglePushControl, abc.ABC):
     """
     Pushes an object to a position, whatever its heading there: the laws here control no more.
 
@@ -80,14 +81,14 @@ class PublishedLaw(SinglePushControl):
         self._path = math.atan2(self.goal.y - self._start.y, self.goal.x - self._start.x)
         self._elapsed = 0.0
 
+    @abc.abstractmethod
     def direction(self, truth: Truth) -> float:
         """
         Choose the direction of the robot.
 
-        :param truth: the ``Truth`` of the plant.
+        :param truth: of the plant; its poses are in the world frame.
         :return: direction in the world [rad].
         """
-        raise NotImplementedError
 
     def step(self, observation: Observation, dt: float) -> Twist:
         """Answer the true state; see ``RobotControl``."""

@@ -7,6 +7,7 @@ from helpers.maps import scattered_cells
 from helpers.objects import bin_, box
 import numpy as np
 from push_model.geometry import convex_hull, Pose
+from push_model.parameters import PushedObject
 from push_navigation.floor import make_floor
 from push_navigation.footprint_clearance import footprint_clearance
 from push_navigation.occupancy_map import footprint, OccupancyMap
@@ -121,7 +122,7 @@ def test_a_margin_may_be_an_overlap(obj):
 
 
 @pytest.mark.parametrize('obj', [box(), bin_()], ids=['box', 'bin'])
-def test_what_is_enough_is_never_less(obj):
+def test_what_is_enough_is_never_less(obj: PushedObject) -> None:
     """Where there is more room, at least what is asked for comes back, whatever is rounded."""
     floor = make_floor(OccupancyMap(SIDE, Pose(0.0, 0.0, 0.0), np.zeros((60, 60), dtype=bool)))
     for enough in np.linspace(-0.1, 0.5, 301).tolist():

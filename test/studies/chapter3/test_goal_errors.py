@@ -115,7 +115,7 @@ def test_what_opposite_bends_undo_counts_less_at_a_symmetrical_goal(figure: str)
     assert symmetrical < 0.1 * turned or figure in ('T3.4', 'T3.5')
 
 
-def test_a_shifted_friction_center_counts_to_every_goal():
+def test_a_shifted_friction_center_counts_to_every_goal() -> None:
     found = findings_of('T3.7')
     assert found['symmetrical'] > found['sensing']
 

@@ -52,7 +52,7 @@ def test_sensors_are_those_of_the_benchmarks_and_filters_have_their_defaults():
         for name in ('replan_lateral_error', 'replan_heading_error')})
 
 
-def test_feedback_reaches_a_goal_without_mismatch():
+def test_feedback_reaches_a_goal_without_mismatch() -> None:
     found, ends = findings('four-goals'), outcome('four-goals').tables['ends']
     for law in (FEEDBACK, OWN_PATH, KEPT_PATH, MPC):
         assert found[law] < 10.0
@@ -64,7 +64,7 @@ def test_feedback_reaches_a_goal_without_mismatch():
     assert push(given, given.goal, OPEN_LOOP).position_error < 0.01
 
 
-def test_feedback_loses_time_where_it_leaves_the_optimal_path():
+def test_feedback_loses_time_where_it_leaves_the_optimal_path() -> None:
     """It does so for errors of the sensors alone, and at the latest on a path of its own."""
     found = findings('4.2')
     assert 0.2 < found['loss'] < 2.0 and found['new_paths_own_path'] == 1.0
@@ -72,7 +72,7 @@ def test_feedback_loses_time_where_it_leaves_the_optimal_path():
     assert found['left'] < 0.4 and found['gain'] > 0.5
 
 
-def test_plans_from_the_measured_pose_are_the_plan_where_nothing_is_wrong():
+def test_plans_from_the_measured_pose_are_the_plan_where_nothing_is_wrong() -> None:
     given = values('4.2', sensors='exact')
     executed = push(given, given.goal, REPLANNED)
     planned = planned_input(executed.planned)
@@ -130,7 +130,7 @@ def test_a_rotation_grows_in_the_world_and_only_adds_up_in_the_frame_of_the_obje
     assert found['heading_open_loop'] > 1.3 * abs(found['heading_object_frame']) > 0.2
 
 
-def test_plans_with_the_nominal_friction_undo_what_has_passed_but_not_what_lasts():
+def test_plans_with_the_nominal_friction_undo_what_has_passed_but_not_what_lasts() -> None:
     temporary, sustained = findings('4.9'), findings('4.13')
     assert temporary[REPLANNED] < 5.0 < 0.2 * temporary[OBJECT_FRAME]
     assert sustained[OBJECT_FRAME] > 2.0 * sustained[REPLANNED] > 20.0 * sustained[FEEDBACK]
@@ -150,7 +150,7 @@ def test_spikes_of_the_pushing_angle_are_new_paths():
         assert one['peak_feedback'] < 0.9 < one['peak_open_loop'] and one['delay'] < 2.0
 
 
-def test_drawn_disturbances_differ_by_their_end_alone():
+def test_drawn_disturbances_differ_by_their_end_alone() -> None:
     given = values('4.10')
     temporary, sustained = (DrawnIntervals.of(given, is_sustained=lasts)
                             for lasts in (False, True))
@@ -168,7 +168,7 @@ def test_drawn_disturbances_differ_by_their_end_alone():
         assert dataclasses.replace(long, end=short.end) == short and long.end > TIME_LIMIT
 
 
-def test_a_law_without_a_model_reaches_the_position_but_not_the_heading():
+def test_a_law_without_a_model_reaches_the_position_but_not_the_heading() -> None:
     """The force angle undoes what has passed; a dipole, which pulls, does not even hold then."""
     ends = outcome('4.10').tables['ends']
     assert ends[f'{FORCE_ANGLE}_position_error_m'].max() < 0.05
