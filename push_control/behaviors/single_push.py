@@ -13,7 +13,7 @@ from push_model.events import EventReport, PushEvent
 from push_model.geometry import Pose
 from push_model.observation import Observation
 from push_model.plan_request import GoalTolerances, PlanRequest, RequestKind
-from push_model.signals import ObjectEstimate, STOP, Twist
+from push_model.signals import ObjectEstimate, ObjectPose, STOP, Twist
 from push_model.trajectory import PushTrajectory
 from push_safety.status import SafetyReport
 
@@ -208,5 +208,8 @@ class SinglePush(SteeredPush):
             return request_plan(context, observation, self.next_goal.pose, self._next_tolerances)
         if not self._controller.replan_requested:
             return None
-        # Not the end of the last plan: that is off by a tolerance, and so would be the next one.
+        # From the estimate: a single pose that is off may lie at the goal. Not to the end of the
+        # last plan: that is off by a tolerance, and so would be the next one.
+        estimate = ObjectPose(observation.time, self._controller.status.object_pose)
+        observation = observation._replace(object_pose=estimate)
         return request_plan(context, observation, self._goal, context.control.tolerances)

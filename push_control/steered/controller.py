@@ -21,7 +21,6 @@ from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import STOP, Twist
 from push_model.trajectory import PushTrajectory
 from push_safety.status import SafetyReport
-from push_safety.stop import is_at_rest
 
 
 # Time for which a push that has begun waits for measurements [s]; chosen: longer than an occlusion
@@ -214,8 +213,7 @@ class Controller:
         command = self._push.advance(observation.time, min(dt, self._settings.odometry_timeout))
         if self._push.failure is not None:
             self._state = _State(Phase.FAILED, self._push.failure)
-        elif self._push.finished and (self._law is None
-                                      or is_at_rest(observation.odometry.twist)):
+        elif self._push.finished:
             self._state = _State(Phase.DONE)
         else:
             self._state = _State(Phase.PUSHING, self._push.notice)

@@ -1,5 +1,8 @@
 """Tracking of a push: what all measurements so far tell of object, robot and contact."""
 
+import math
+
+import numpy as np
 from push_control.settings import ControlSettings
 from push_control.steered.estimation.contact_detection import ContactDetector, ContactState
 from push_control.steered.estimation.contact_site import RollingContact
@@ -69,6 +72,18 @@ class PushTracker:
         :param time: now [s].
         """
         return self._estimator.pose_fault(time)
+
+    def pose_deviations(self, goal: Pose) -> tuple[float, float]:
+        """
+        Return the standard deviations of the object at the time of the last pose.
+
+        :return: of its distance from a goal [m], and of its heading [rad].
+        """
+        covariance, state = self._estimator.covariance, self._estimator.state
+        offset = np.array((state.x - goal.x, state.y - goal.y))
+        length = float(np.hypot(*offset))
+        along = np.array((1.0, 0.0)) if length == 0.0 else offset / length
+        return (math.sqrt(along @ covariance[:2, :2] @ along), math.sqrt(covariance[2, 2]))
 
     def observe(self, observation: Observation) -> EventReport | None:
         """

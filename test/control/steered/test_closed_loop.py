@@ -7,7 +7,7 @@ from helpers.contact_sites import arc_trajectory, FACE, VERTEX
 from helpers.objects import box
 import numpy as np
 from push_control.settings import ControlSettings
-from push_control.steered.closed_loop import ClosedLoopPush
+from push_control.steered.closed_loop import ARRIVAL_TIME_LIMIT, ClosedLoopPush
 from push_control.steered.contact_model import ContactModel
 from push_control.steered.estimation.contact_site import initial_contact_site, SITE_SIZE
 from push_control.steered.estimation.filter_kernel import (
@@ -19,6 +19,7 @@ from push_control.steered.path.guidance import Guidance
 from push_control.steered.path.path import SampledPath
 from push_control.steered.plan_bounds import DEVIATION_RATIO
 from push_control.steered.status import Phase
+from push_model.events import PushEvent
 from push_model.geometry import Pose
 from push_model.observation import Observation
 from push_model.parameters import RoundRobot
@@ -179,3 +180,37 @@ def test_a_push_whose_object_has_left_the_floor_of_its_plan_has_failed(limit, fa
     # By how much the goal is missed.
     missed = f'{1e3 * math.dist(place[:2], target.object_poses[-1, :2]):.0f} mm and 1.7 deg away'
     assert not fails or f'{limit_by_size:.2f} m; the goal is {missed}' in str(push.failure)
+
+
+@pytest.mark.parametrize('drive', sorted(ROBOTS))
+@pytest.mark.parametrize('beyond_limit, first, last', [
+    (-0.5, 'done', 'done'), (-0.05, 'open', 'done'), (-0.005, 'open', 'missed'),
+    (0.05, 'missed', 'missed')])
+def test_an_object_counts_as_at_its_goal_once_its_deviation_fits_into_the_tolerance(
+        drive: str, beyond_limit: float, first: str, last: str) -> None:
+    """Near the limit further poses decide; where they leave it open, the push is not done."""
+    robot, site = ROBOTS[drive]
+    settings = dataclasses.replace(SETTINGS, max_reapproaches=0)
+    target = arc_trajectory(OBJECT, site, CURVATURE, 1.0)
+    end, error = target.object_poses[-1], (1.0 + beyond_limit) * settings.position_tolerance
+    ahead = end[:2] - target.object_poses[-2, :2]
+    ahead *= error / np.hypot(*ahead)
+    pose = Pose(end[0] + ahead[0], end[1] + ahead[1], end[2])
+    x, y, heading = target.robot_poses[-1].tolist()
+    robot_pose = Pose(x + ahead[0], y + ahead[1], heading)
+
+    def measured(time: float) -> Observation:
+        return Observation(time, Odometry(time, robot_pose, STOP), ObjectPose(time, pose))
+
+    push = ClosedLoopPush(OBJECT, robot, settings, ClosedFormLaw(settings), target, measured(0.0))
+    states = []
+    for index in range(1, round(ARRIVAL_TIME_LIMIT / 0.05) + 6):
+        push.observe(measured(0.05 * index))
+        assert push.advance(0.05 * index, 0.05) == STOP
+        states.append('done' if push.finished else
+                      'open' if push.failure is None else 'missed')
+        if states[-1] == 'missed':
+            assert push.failure is not None and push.failure.code is PushEvent.GOAL_MISSED
+            break
+    # Two steps see that the path is at its end, the third that the robot is at rest.
+    assert states[:3][-1] == first and states[-1] == last
