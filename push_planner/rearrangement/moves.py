@@ -24,8 +24,8 @@ MIN_GAP_TO_LEAVE = 0.08
 # Time by which a move is longer where the robot has no room at any face of the object, at its
 # start or its end [s]; chosen: two contacts, so that objects go to narrow places first.
 CROWDED_TIME = 10.0
-# Radius within which the robot's free floor is looked for about a point, in grid points; chosen:
-# the robot may touch an object at first.
+# Radius within which all free floor is next to the robot, in grid points; chosen: it may touch an
+# object at first.
 SEARCH_RADIUS = 2
 # Layouts whose free floor is kept in memory; chosen: some 0.1 MB each.
 MAX_LAYOUTS = 256
@@ -68,11 +68,12 @@ class MoveEvaluator:
         self.robot_floor = functools.lru_cache(maxsize=MAX_LAYOUTS)(self._robot_floor)
 
     def first_regions(self, layout: Layout) -> Regions:
-        """Return the ``Regions`` in which the robot may be at first."""
-        point = np.array([self._robot_pose[:2]])
-        step = self._placements.floor.spacing * np.arange(-SEARCH_RADIUS, SEARCH_RADIUS + 1)
-        around = np.stack(np.meshgrid(step, step), axis=2).reshape(-1, 2)
-        return self._regions_at(layout, point + around)
+        """Return the ``Regions`` in which the robot may be at first: those next to it."""
+        floor, parts = self._placements.floor, self.robot_floor(layout).ravel()
+        is_free = parts > 0
+        away = np.hypot(*(floor.centers[is_free] - self._robot_pose[:2]).T)
+        radius = max(SEARCH_RADIUS * floor.spacing, away.min(initial=math.inf))
+        return frozenset(parts[is_free][away <= radius].tolist())
 
     def evaluate(self, layout: Layout, regions: Regions, index: int, place: int,
                  last: tuple[int, int] | None) -> MoveOption | None:
@@ -211,10 +212,6 @@ class MoveEvaluator:
         placements = self._placements
         return placements.floor.connected_parts(
             placements.obstacles(layout) >= placements.robot_needed)
-
-    def _regions_at(self, layout: Layout, points: FloatArray) -> Regions:
-        values = self._placements.floor.values_at(self.robot_floor(layout), points)
-        return frozenset(values[values > 0].tolist())
 
     def _regions_of_faces(self, layout: Layout, index: int) -> IntArray:
         """Return the part of the floor from which each face is pushed; 0 without room."""

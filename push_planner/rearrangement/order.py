@@ -20,8 +20,9 @@ from push_planner.rearrangement.problem import (
     Move, NamedObject, OrderPlan, Rearrangement)
 from push_planner.rearrangement.temporary_places import temporary_places
 
-# Grid points that a search visits; chosen: half a second.
-MAX_WORK = 6_000_000
+# Grid points that a search visits, and while its best order leaves objects out; chosen: half a
+# second, and some two.
+MAX_WORK, MAX_WORK_FOR_ALL = 6_000_000, 60_000_000
 # Temporary places that an order may use for each object; chosen: more than one is rare.
 MAX_TEMPORARY = 2
 
@@ -80,7 +81,8 @@ def plan_order(problem: Rearrangement, max_work: int = MAX_WORK) -> OrderPlan:
     Find the order of least expected time in which most objects get to their goals.
 
     :param problem: the ``Rearrangement``; the order of its objects has no effect.
-    :param max_work: grid points after which the search ends; the first order is always completed.
+    :param max_work: grid points after which the search ends if its best order has all objects;
+        the first order is always completed.
     :raises ValueError: where two objects have one name.
     """
     objects = sorted(problem.objects, key=lambda item: item.name)
@@ -187,8 +189,12 @@ class _OrderSearch:
 
     @property
     def _is_spent(self) -> bool:
-        """Whether there is an order, and no budget for a better one."""
-        return self._has_order and self._placements.floor.work > self._max_work
+        """Whether there is an order, and no budget for a better one, or for more objects."""
+        best, work = self._best, self._placements.floor.work
+        if best is None or not self._has_order:
+            return False
+        has_all = not self._unplaced(best.layout)
+        return work > (self._max_work if has_all else max(self._max_work, MAX_WORK_FOR_ALL))
 
     def _sorted(self, node: _Node, indices: list[int]) -> list[int]:
         """Sort objects by the least time of their moves."""
@@ -237,7 +243,8 @@ class _OrderSearch:
         """
         List what stands at the goal of an object, on its way, or on the robot's way to it.
 
-        That nearest to the robot comes first.
+        What stands at its goal comes first, as there is no way round it; then the nearest to the
+        robot.
         """
         placements, layout = self._placements, node.layout
         if not self._moves.is_reached(layout, node.regions, index):
@@ -246,13 +253,14 @@ class _OrderSearch:
         else:
             path = self._path(index, layout[index])
             needed, _ = placements.needed(index)
-        others = set(self._moves.overlapped(layout, index, GOAL))
+        at_goal = self._moves.overlapped(layout, index, GOAL)
+        others = set(at_goal)
         for other, place in enumerate(layout):
             if other != index and (placements.floor.values_at(
                     placements.field(other, place), path).min() < needed):
                 others.add(other)
-        return sorted(others, key=lambda other: self._moves.transit_time(
-            other, layout[other], node.last))
+        return sorted(others, key=lambda other: (other not in at_goal, self._moves.transit_time(
+            other, layout[other], node.last)))
 
     def _path(self, index: int, place: int) -> FloatArray:
         """Return the way of an object from a place to its goal past walls alone."""

@@ -7,6 +7,7 @@ from helpers.maps import walled_floor, walled_room
 from helpers.objects import bin_, box
 import numpy as np
 from push_model.events import ObjectFailure
+from push_model.files.parameter_files import read_object
 from push_model.geometry import BoolArray, boundary_point, distance, Pose
 from push_model.parameters import RoundRobot
 from push_navigation.floor import make_floor
@@ -133,6 +134,21 @@ def test_a_budget_of_nothing_gives_an_order() -> None:
     first = plan_order(problem, max_work=0)
     assert len(first.moves) == 4 and not first.is_complete
     assert first.time >= plan_order(problem).time
+
+
+def test_what_stands_at_a_goal_is_moved_aside_before_what_stands_beside_the_way() -> None:
+    """Three tables change places by four moves; a fourth one, near to the robot, stays."""
+    table = read_object('coffee_table')
+    places = [Pose(-0.04, 0.41, 0.135), Pose(-1.91, -1.68, -1.472), Pose(2.99, 0.01, 1.302)]
+    beside = Pose(-1.34, -0.09, -0.667)
+    plan = plan_order(rearrangement(
+        *(NamedObject(name, table, start, goal)
+          for name, start, goal in zip('abc', places, [*places[1:], *places])),
+        NamedObject('d', table, beside, beside), floor=walled_floor(8.0, 8.0),
+        robot_pose=Pose(0.0, -0.5, 0.0)), max_work=0)
+    assert not plan.refusals and [move.is_temporary for move in plan.moves] == [
+        True, False, False, False]
+    assert 'd' not in {move.name for move in plan.moves}
 
 
 @pytest.mark.parametrize('goal', [None, Pose(0.0, 0.0, 0.0)])
