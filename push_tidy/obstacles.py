@@ -40,21 +40,29 @@ class MapGrid(NamedTuple):
     columns: int
 
 
-def covered_cells(grid: MapGrid, standing: Sequence[StandingObject], margin: float) -> BoolArray:
+def covered_cells(grid: MapGrid, standing: Sequence[StandingObject], margin: float,
+                  pushed: StandingObject) -> BoolArray:
     """
-    Tell which cells objects may reach into.
+    Tell which cells objects may reach into, but for those in which the pushed one stands.
+
+    Objects that touch share cells: the pushed one could not be planned away from the other.
 
     :param grid: the ``MapGrid``.
     :param standing: where they are measured.
     :param margin: uncertainty of their outlines [m].
+    :param pushed: where the pushed one is measured.
     :return: shape (rows, columns).
     """
     rows, columns = np.indices((grid.rows, grid.columns)).reshape(2, -1)
     centers: FloatArray = np.asarray(
         grid.resolution * np.stack((columns + 0.5, rows + 0.5), axis=1), dtype=np.float64)
     to_map = grid.origin.inverse()
+
+    def is_within(item: StandingObject, gap: float) -> BoolArray:
+        distances = distances_to_object(centers, item.obj, to_map @ item.pose)
+        return np.asarray(distances < gap + 0.5 * grid.resolution, dtype=np.bool_)
+
     covered = np.zeros(len(centers), dtype=np.bool_)
-    for obj, pose in standing:
-        covered |= distances_to_object(centers, obj, to_map @ pose) < (
-            margin + 0.5 * grid.resolution)
-    return covered.reshape(grid.rows, grid.columns)
+    for item in standing:
+        covered |= is_within(item, margin)
+    return (covered & ~is_within(pushed, 0.0)).reshape(grid.rows, grid.columns)

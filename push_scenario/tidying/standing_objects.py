@@ -17,19 +17,20 @@ TOUCH_GAP = 1e-3
 
 
 def with_obstacles(floor: FloorMap, reading: MapSettings, standing: Sequence[StandingObject],
-                   margin: float) -> FloorMap:
+                   margin: float, pushed: StandingObject) -> FloorMap:
     """
     Draw objects into a map, as cells that are no walls.
 
     :param reading: what is an obstacle; unknown cells that are none become free.
     :param standing: where they are measured.
     :param margin: uncertainty of their outlines [m].
+    :param pushed: the object that is pushed past them; where it stands is free of them.
     """
     cells = np.array(floor.characters)
     if reading.allow_unknown:
         cells[cells == ord(UNKNOWN)] = ord(FREE)
     grid = MapGrid(floor.resolution, floor.origin.pose, *cells.shape)
-    is_object = covered_cells(grid, standing, margin) & (cells != ord(OCCUPIED))
+    is_object = covered_cells(grid, standing, margin, pushed) & (cells != ord(OCCUPIED))
     cells[is_object] = ord(UNKNOWN)
     lines = (row.tobytes().decode('ascii') for row in cells[::-1])
     return dataclasses.replace(floor, rows='\n'.join(lines))

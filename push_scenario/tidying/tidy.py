@@ -250,7 +250,8 @@ class _TidyRun:
             supervision = dataclasses.replace(supervision, heading_tolerance=ANY_HEADING)
         floor = with_obstacles(
             room.floor_map, room.task.map_reading, self._standing_beside(move.name),
-            MARGIN_SIGMAS * scenario.sensors.pose_noise)
+            MARGIN_SIGMAS * scenario.sensors.pose_noise,
+            StandingObject(scenario.object, self._measured[move.name]))
         reading = dataclasses.replace(room.task.map_reading, allow_unknown=False)
         return dataclasses.replace(
             scenario, name=f'{room.name}, {move.name}',

@@ -31,7 +31,7 @@ class RoomMap:
         self._settings = settings
 
     def with_objects(self, standing: Sequence[StandingObject], margin: float,
-                     stamp: Time) -> OccupancyGrid:
+                     pushed: StandingObject, stamp: Time) -> OccupancyGrid:
         """
         Make the map in which objects stand, as unknown cells: they are no walls for a lidar.
 
@@ -39,6 +39,7 @@ class RoomMap:
 
         :param standing: ``StandingObject`` of each.
         :param margin: uncertainty of their outlines [m].
+        :param pushed: the object that is pushed past them; where it stands is free of them.
         :param stamp: of the map.
         """
         info, origin = self._message.info, self.occupancy_map.origin
@@ -46,7 +47,7 @@ class RoomMap:
         if self._settings.allow_unknown:
             cells[cells == UNKNOWN] = FREE
         grid = MapGrid(self.occupancy_map.resolution, origin, *cells.shape)
-        covered = covered_cells(grid, standing, margin)
+        covered = covered_cells(grid, standing, margin, pushed)
         cells[covered & ~self.occupancy_map.occupied] = UNKNOWN
         message = OccupancyGrid(info=info)
         message.header.stamp, message.header.frame_id = stamp, self._message.header.frame_id

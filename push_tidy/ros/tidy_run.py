@@ -212,12 +212,13 @@ class TidyRun:
 
     def _move(self, move: Move, room_map: RoomMap) -> None:
         self.state, self.feedback = RunState.MOVING, None
-        standing = {name: item for name, item in self._measured.items() if name != move.name}
+        standing = dict(self._measured)
+        pushed = standing.pop(move.name)
         stamp = self._ports.node.now()
         self._ports.publish_map(room_map.with_objects(
             [StandingObject(self._goals[name].obj, item.pose) for name, item in standing.items()],
             MARGIN_SIGMAS * max((item.deviation for item in standing.values()), default=0.0),
-            stamp))
+            StandingObject(self._goals[move.name].obj, pushed.pose), stamp))
         self._ports.moves.start(
             MoveGoal(move.name, move.end, self._goals[move.name].tolerances, stamp,
                      self._ports.frame),

@@ -11,6 +11,7 @@ from push_model.events import ObjectFailure
 from push_model.files.strict_yaml import ParameterFileError
 from push_model.geometry import Pose
 from push_navigation.settings import MapSettings
+from push_planner.straight.map_search.planner import MAX_OVERLAP
 from push_scenario.definition.floor_map import FloorMap
 from push_scenario.tidying import cli
 from push_scenario.tidying.room import Room, room_from_text
@@ -63,13 +64,25 @@ def test_a_mistake_in_a_file_is_named(old: str, new: str, key: str) -> None:
 def test_standing_objects_are_obstacles_but_no_walls_of_the_map() -> None:
     """All of their outlines is in cells that are not free, and little else."""
     floor = FloorMap(0.05, '\n'.join(['.' * 50] * 40))
-    drawn = with_obstacles(floor, MapSettings(allow_unknown=True), BODIES, 0.0)
+    pushed = StandingObject(bin_(), Pose(2.2, 0.3, 0.0))
+    drawn = with_obstacles(floor, MapSettings(allow_unknown=True), BODIES, 0.0, pushed)
     assert not drawn.walls
     occupied = drawn.occupancy_map
     for obj, pose in BODIES:
         assert occupied.object_clearance(obj, [pose]) < -0.1
     area = 0.05 ** 2 * occupied.occupied.sum()
     assert 0.16 + math.pi * 0.04 < area < 0.25 + math.pi * 0.225 ** 2 + 0.05
+
+
+@pytest.mark.parametrize('angle', [0.0, 0.4, 1.1])
+def test_an_object_that_touches_another_stands_on_free_floor(angle: float) -> None:
+    """It can be planned away from it, wherever both are; behind the other nothing is free."""
+    floor = FloorMap(0.05, '\n'.join(['.' * 50] * 40))
+    pushed = StandingObject(box(), Pose(1.2, 1.0, angle))
+    standing = StandingObject(box(), pushed.pose @ Pose(0.4, 0.0, 0.0))
+    drawn = with_obstacles(floor, MapSettings(), [standing], 0.005, pushed).occupancy_map
+    assert drawn.object_clearance(box(), [pushed.pose]) > -MAX_OVERLAP
+    assert drawn.object_clearance(box(), [standing.pose]) < -0.1
 
 
 def tape_of(robot: Pose, moving: Pose) -> Tape:
