@@ -2,13 +2,15 @@
 Objects that stand and are bumped: they give way to what moves into them.
 
 They slide on the floor as slowly as they are pushed, so that force and motion lie on a limit
-surface, here an ellipsoid. Their contact is without friction and resists nothing.
+surface, here an ellipsoid. Their contact is without friction and resists nothing. Walls hold them.
 """
 
 import functools
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+from push_dynamics.wall_grid import WallGrid, walls_near
+from push_dynamics.walls import wall_gap
 from push_model.contact import contact_point, face_normal, find_contact
 from push_model.friction import ellipsoid_c_squared, friction_center
 from push_model.geometry import Pose
@@ -18,6 +20,9 @@ from push_model.parameters import PushedObject
 # Overlap that is none, rounding [m]; and contacts that push an object in one step, chosen: both
 # corners of a face, twice.
 TOUCHING, MAX_CONTACTS = 1e-6, 4
+# Overlap beyond which a body moves through an object that walls hold, and depth in a wall beyond
+# which a point is not in it [m]; chosen: above what a body covers in one step, and twice that.
+MAX_OVERLAP, MAX_WALL_DEPTH = 0.05, 0.1
 
 
 class PlacedObject(NamedTuple):
@@ -60,6 +65,9 @@ class _Overlap(NamedTuple):
     direction: float
 
 
+_NO_OVERLAP = _Overlap(0.0, (0.0, 0.0), 0.0)
+
+
 def displaced_pose(item: PlacedObject, body: PlacedObject | PlacedDisc) -> Pose:
     """
     Find where an object is once it has given way to a body that overlaps it a little.
@@ -70,16 +78,55 @@ def displaced_pose(item: PlacedObject, body: PlacedObject | PlacedDisc) -> Pose:
 
     :param item: the ``PlacedObject``.
     :param body: what has moved into it.
-    :return: its ``Pose``; the same where they do not overlap.
+    :return: its ``Pose``; the same where they do not overlap, or by ``MAX_OVERLAP``.
     """
     for _ in range(MAX_CONTACTS):
         if _is_far(item, body):
             break
         overlap = _overlap(item, body)
+        if not TOUCHING < overlap.depth < MAX_OVERLAP:
+            break
+        item = item._replace(pose=_moved_out(item, overlap))
+    return item.pose
+
+
+def held_pose(item: PlacedObject, walls: WallGrid) -> Pose:
+    """
+    Find where an object is once walls have moved it out of them, as other bodies do.
+
+    :param item: the ``PlacedObject``, a little inside walls.
+    :param walls: those within ``outer_radius`` of its middle are looked at.
+    :return: its ``Pose``; the same where it is in none.
+    """
+    first, last = walls_near(walls, *item.pose[:2])
+    rows = [walls.rows[row] for row in walls.near[first:last]]
+    for _ in range(MAX_CONTACTS):
+        overlap = max((_with_wall(item, row) for row in rows), default=_NO_OVERLAP,
+                      key=lambda overlap: overlap.depth)
         if overlap.depth <= TOUCHING:
             break
         item = item._replace(pose=_moved_out(item, overlap))
     return item.pose
+
+
+def _with_wall(item: PlacedObject, wall: Any) -> _Overlap:
+    """
+    Find how deep an object is in a wall, or in a corner of one.
+
+    :param wall: a row of ``wall_rows``.
+    """
+    if wall[4] == 0.0:
+        overlap = _with_disc(item, PlacedDisc(wall[0], wall[1], 0.0))
+        return overlap if overlap.depth < MAX_WALL_DEPTH else _NO_OVERLAP
+    points = [item.pose.transform(corner) for corner in item.obj.outline or ((0.0, 0.0),)]
+    radius = 0.0 if item.obj.outline else item.obj.radius
+    overlap = _NO_OVERLAP
+    for x, y in points:
+        n_x, n_y, distance = wall_gap(wall, x, y, item.pose.x, item.pose.y)
+        if overlap.depth < radius - distance < MAX_WALL_DEPTH:
+            overlap = _Overlap(radius - distance, (x - radius * n_x, y - radius * n_y),
+                               math.atan2(n_y, n_x))
+    return overlap
 
 
 def _moved_out(item: PlacedObject, overlap: _Overlap) -> Pose:
@@ -98,12 +145,12 @@ def _is_far(item: PlacedObject, body: PlacedObject | PlacedDisc) -> bool:
     if isinstance(body, PlacedDisc):
         middle, radius = (body.x, body.y), body.radius
     else:
-        middle, radius = body.pose[:2], _outer_radius(body.obj)
-    return math.dist(item.pose[:2], middle) > _outer_radius(item.obj) + radius
+        middle, radius = body.pose[:2], outer_radius(body.obj)
+    return math.dist(item.pose[:2], middle) > outer_radius(item.obj) + radius
 
 
 @functools.lru_cache(maxsize=64)
-def _outer_radius(obj: PushedObject) -> float:
+def outer_radius(obj: PushedObject) -> float:
     """Return the radius of the least disc about the frame of an object that contains it [m]."""
     return max((math.hypot(*corner) for corner in obj.outline), default=obj.radius)
 

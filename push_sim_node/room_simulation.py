@@ -3,8 +3,8 @@ Several objects in one simulation: one of them is pushed, the others stand.
 
 Time, robot and odometry go on as another one comes to be pushed. Which one that is the caller
 states, or it is the one that the robot is nearest to. What robot or pushed object bump into gives
-way, and so does what that bumps into. Walls do not hold what gives way, and the pushed object does
-not give way to it.
+way, and so does what that bumps into. Walls hold what gives way; what bumps into it there moves on
+into it.
 """
 
 from collections.abc import Callable, Mapping
@@ -12,12 +12,14 @@ import functools
 import math
 
 import numpy as np
-from push_dynamics.walls import Wall
+from push_dynamics.wall_grid import MARGIN, wall_grid
+from push_dynamics.walls import Wall, wall_rows
 from push_model.contact import find_contact
 from push_model.geometry import Pose, wrap_angle
 from push_model.parameters import RoundRobot
 from push_model.signals import ObjectPose
-from push_sim_node.bumped_object import displaced_pose, PlacedDisc, PlacedObject
+from push_sim_node.bumped_object import (
+    displaced_pose, held_pose, outer_radius, PlacedDisc, PlacedObject)
 from push_sim_node.plant import Plant
 from push_sim_node.sensors import SensorSettings
 from push_sim_node.settings import SimulationSettings
@@ -66,6 +68,8 @@ class RoomSimulation:
                  interpret: bool = False, plant_type: Callable[..., Plant] = Plant) -> None:
         self._starts = dict(objects)
         self._settings = settings
+        self._walls = wall_grid(wall_rows(settings.walls), MARGIN + max(
+            (outer_radius(item.obj) for item in objects.values()), default=0.0))
         self._make_simulation = functools.partial(
             Simulation, robot=robot, robot_pose=robot_pose, sensors=sensors, interpret=interpret,
             plant_type=plant_type, after_motion=self._displace_bumped)
@@ -161,7 +165,8 @@ class RoomSimulation:
                 pose = displaced_pose(item, body)
                 if pose != item.pose:
                     is_robot_touching |= isinstance(body, PlacedDisc)
-                    self._objects[name] = item._replace(pose=_wrapped(pose))
+                    held = held_pose(item._replace(pose=pose), self._walls)
+                    self._objects[name] = item._replace(pose=_wrapped(held))
                     bodies.append(self._objects[name])
                     others.remove(name)
         if len(others) < len(self._objects) - 1:

@@ -4,13 +4,15 @@ import math
 
 from helpers.objects import bin_, box
 import numpy as np
+from push_dynamics.walls import Wall
 from push_model.geometry import distance, Pose
-from push_model.parameters import RoundRobot
+from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import Odometry, Twist
 from push_planner.rearrangement.footprints import object_gap
 from push_sim_node.bumped_object import PlacedObject
 from push_sim_node.room_simulation import outline_walls, RoomSimulation
 from push_sim_node.sensors import SensorSettings
+from push_sim_node.settings import SimulationSettings
 from push_sim_node.simulation import Simulation
 import pytest
 
@@ -81,6 +83,25 @@ def test_what_the_robot_bumps_into_gives_way_while_another_is_pushed() -> None:
     several = room()
     drive(several.simulation, 2.0)
     assert several.poses['box'].x == pytest.approx(several.robot_pose.x + 0.37, abs=1e-3)
+
+
+@pytest.mark.parametrize('slope', [0.0, 0.3])
+@pytest.mark.parametrize('obj', [box(), bin_()])
+def test_a_wall_holds_what_the_robot_bumps_into(obj: PushedObject, slope: float) -> None:
+    """It gets no farther than the wall; one at a slope it slides along."""
+    walls = Wall(0.9 - 2.0 * slope, -2.0, 0.9 + 2.0 * slope, 2.0),
+    several = RoomSimulation(
+        {'bin': OBJECTS['bin'], 'other': PlacedObject(obj, Pose(0.5, 0.0, 0.0))}, ROBOT, START,
+        SimulationSettings(walls=walls))
+    drive(several.simulation, 2.5)
+    assert several.pushed == 'bin'
+    pose = several.poses['other']
+    corners = obj.outline or [(obj.radius * math.cos(angle), obj.radius * math.sin(angle))
+                              for angle in np.linspace(0.0, 2.0 * math.pi, 90)]
+    gaps = [(0.9 + slope * y - x) / math.hypot(1.0, slope)
+            for x, y in map(pose.transform, corners)]
+    assert min(gaps) == pytest.approx(0.0, abs=1e-3)
+    assert pose.y == pytest.approx(0.0, abs=1e-3) if slope == 0.0 else abs(pose.y) > 0.02
 
 
 def test_a_bumper_feels_objects_that_stand() -> None:
