@@ -37,6 +37,7 @@ class PushEvent(Cause):
     """Something out of the ordinary during a push."""
 
     # The robot waits: the measurements cannot be used.
+    MEASUREMENT_REFUSED = 'a message was refused: {error}'
     ODOMETRY_NOT_FINITE = 'odometry is not finite'
     NO_OBJECT_POSE = 'no object pose yet'
     OBJECT_POSE_NOT_FINITE = 'object pose is not finite'

@@ -22,6 +22,8 @@ class Observation(NamedTuple):
     :param place: the last place of the robot in its map, or None where nothing measures it.
     :param is_bumper_pressed: whether the switch of the robot's bumper has been closed since the
         odometry before; None where nothing tells.
+    :param refusal: ``EventReport`` of why a message was refused since the odometry before, or
+        None.
     """
 
     time: float
@@ -31,6 +33,7 @@ class Observation(NamedTuple):
     base: Optional[BaseKnowledge] = None
     place: Optional[RobotPlace] = None
     is_bumper_pressed: Optional[bool] = None
+    refusal: Optional[EventReport] = None
 
     @property
     def stamps(self) -> Stamps:

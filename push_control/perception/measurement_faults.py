@@ -21,6 +21,8 @@ def measurement_fault(observation: Observation, last_pose_time: float | None,
     odometry, measured = observation.odometry, observation.object_pose
     if not is_finite_odometry(odometry):
         return PushEvent.ODOMETRY_NOT_FINITE.report()
+    if observation.refusal is not None:
+        return observation.refusal
     if measured is None and not needs_object:
         return _odometry_fault(observation, settings)
     if measured is None:

@@ -22,7 +22,7 @@ from push_control.ros.push_action import GoalReceiver, ObjectSelector, PushActio
 from push_control.ros.robot_placing import RobotPlacing
 from push_control.ros.scene import ScenePublisher
 from push_control.ros.start_state import StartState
-from push_model.events import AnyReport
+from push_model.events import AnyReport, EventReport, PushEvent
 from push_model.parameters import PushedObject
 from push_model.signals import ObjectPose, Odometry, STOP, Twist
 from push_ros.conversions.map import map_reader
@@ -84,6 +84,8 @@ class ActiveController:
                                      self._object_to_hide)
         self._action = self._make_action(catalogue)
         self._latest = LatestMeasurements()
+        # Why a measurement was refused since the last odometry, or None.
+        self._refusal: EventReport | None = None
         # Stamps of measurements that wait for a plan.
         self._unanswered: list[Time] = []
         # While the node is active.
@@ -292,7 +294,11 @@ class ActiveController:
         protection = self._placing.protection(observation.odometry)
         self._gate.limit_speed(protection.speed_limit)
         self.pursuit.protect(protection.report)
-        return self._gate.guard(self.pursuit, observation._replace(place=self._placing.newest), dt)
+        command = self._gate.guard(self.pursuit, observation._replace(
+            place=self._placing.newest, refusal=self._refusal), dt)
+        if isinstance(measured, Odometry):
+            self._refusal = None
+        return command
 
     def _send(self, command: Twist, stamp: Time) -> None:
         """Send a command; in lockstep not before the plan that a measurement waits for."""
@@ -319,7 +325,8 @@ class ActiveController:
             self._unanswered = []
 
     def _refuse_measurement(self, error: MessageRefused, message: Any) -> None:
-        """Stop the robot, and say why."""
+        """Stop the robot, which goes on with good measurements, and say why."""
+        self._refusal = PushEvent.MEASUREMENT_REFUSED.report(error=error)
         self._commands.answer(STOP, message.header.stamp, is_commanding=self._is_commanding)
         self.pursuit.report_again()
         self._reporter.report(ERROR, f'{error}; stopped')
@@ -496,6 +503,7 @@ class ActiveController:
         self._placing.reset()
         self._gate.reset()
         self._unanswered = []
+        self._refusal = None
 
     def _check_odometry(self) -> None:
         """Stop the robot where odometry has stopped, and publish zeros that are left."""

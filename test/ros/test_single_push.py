@@ -262,6 +262,23 @@ class PlayedBase:
         return [twist for _, twist in self.commands[count:]]
 
 
+def test_the_robot_stands_while_messages_are_refused_beside_good_ones(
+        node: ControllerNode, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One costs a moment; more of them a stop until none has come for a while, with the reason."""
+    base = PlayedBase(node, monkeypatch)
+    tilted = to_object_pose_message(ObjectPose(100.0, OBJECT), 'odom')
+    tilted.pose.orientation.x, tilted.pose.orientation.w = math.sin(0.5), math.cos(0.5)
+    assert base.run(2.0)[-1] != STOP
+    node.controller.on_object_pose(tilted)
+    assert base.commands[-1][1] == STOP and base.run(PERIOD)[0] == STOP
+    assert base.run(0.5)[-1] != STOP
+    for _ in range(50):
+        node.controller.on_object_pose(tilted)
+        assert base.commands[-1][1] == STOP and set(base.run(PERIOD)) == {STOP}
+    assert PushEvent.MEASUREMENT_REFUSED in codes(base.pursuit.progress.cause)
+    assert set(base.run(0.4)) == {STOP} and base.run(0.5)[-1] != STOP
+
+
 def stopped_push(node: ControllerNode, monkeypatch: pytest.MonkeyPatch) -> PlayedBase:
     """Push, and stop the base for five seconds."""
     base = PlayedBase(node, monkeypatch)
