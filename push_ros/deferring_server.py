@@ -2,6 +2,7 @@
 
 from typing import Any, Callable
 
+from push_ros import qos
 from rclpy.action.server import (
     ActionServer, CancelResponse, GoalResponse, ServerGoalHandle)
 from rclpy.node import Node
@@ -26,7 +27,10 @@ class DeferringActionServer(ActionServer):
         """
         super().__init__(node, action, name, _no_result, goal_callback=goal_callback,
                          handle_accepted_callback=handle_accepted_callback,
-                         cancel_callback=cancel_callback)
+                         cancel_callback=cancel_callback,
+                         goal_service_qos_profile=qos.REQUEST,
+                         result_service_qos_profile=qos.REQUEST,
+                         cancel_service_qos_profile=qos.REQUEST)
 
     def answer(self, handle: ServerGoalHandle, result: Any) -> None:
         """

@@ -33,7 +33,7 @@ import rclpy
 from rclpy.callback_groups import MutuallyExclusiveCallbackGroup
 from rclpy.client import Client
 from rclpy.context import Context
-from rclpy.executors import SingleThreadedExecutor
+from rclpy.executors import ShutdownException, SingleThreadedExecutor, TimeoutException
 from rclpy.impl.implementation_singleton import rclpy_implementation
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
@@ -98,17 +98,6 @@ class BackgroundGroup(MutuallyExclusiveCallbackGroup):
     """
 
     is_open = True
-    # Number of callbacks that were run.
-    executed = 0
-
-    def beginning_execution(self, entity: Any) -> bool:
-        """
-        Count a callback that is run now.
-
-        :param entity: the subscription, timer or service.
-        """
-        self.executed += 1
-        return super().beginning_execution(entity)
 
     def can_execute(self, entity: Any) -> bool:
         """
@@ -342,11 +331,14 @@ def spin(node: PolledNode, executor: SingleThreadedExecutor,
 
 def _run_background(node: PolledNode, executor: SingleThreadedExecutor) -> None:
     node.background.is_open = True
-    for _ in range(BACKGROUND_CALLBACKS):
-        executed = node.background.executed
-        executor.spin_once(timeout_sec=0.0)
-        if node.background.executed == executed:
-            break
+    with contextlib.suppress(TimeoutException, ShutdownException):
+        for _ in range(BACKGROUND_CALLBACKS):
+            task, entity, _ = executor.wait_for_ready_callbacks(0.0)
+            task()
+            task.result()
+            # What an action has left to be done later belongs to no group.
+            if entity is not None and entity.callback_group is not node.background:
+                break
     node.background.is_open = False
 
 

@@ -23,4 +23,6 @@ STATUS = QoSProfile(depth=100, reliability=ReliabilityPolicy.RELIABLE)
 # The last one is kept for late subscribers.
 LATCHED = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE,
                      durability=DurabilityPolicy.TRANSIENT_LOCAL)
+# Requests to an action are kept until they are answered, as those for parameters are.
+REQUEST = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE)
 CLOCK = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
