@@ -100,6 +100,8 @@ class TaskExecution:
         self._backs_off = False
         # Why the safety layer last stopped the robot in this task.
         self._last_stop: SafetyReport | None = None
+        # That a robot which was elsewhere has touched the object in this task, the first time.
+        self._lost_touch: AnyReport | None = None
         # Status of the last push that has ended.
         self._last_push = ControllerStatus()
         self._answer = _Answer()
@@ -342,10 +344,14 @@ class TaskExecution:
             return False
         self._goal = goal
         self._stated = None
-        self._machine.start_task()
-        self._last_stop = None
+        self._start_task()
         self._enter(TaskState.PLAN, TaskEvent.NEW_GOAL.report(), is_requested=True)
         return True
+
+    def _start_task(self) -> None:
+        """Start the history of another task."""
+        self._machine.start_task()
+        self._last_stop = self._lost_touch = None
 
     def _end_after_failure(self, failure: FailureReport) -> None:
         """Go on after a failure, unless it has shown that the object is too heavy."""
@@ -385,9 +391,17 @@ class TaskExecution:
     def _recover(self, cause: AnyReport, failure: TaskFailure = TaskFailure.PUSH_FAILED) -> None:
         """Count a failure as an attempt, and go to where it leads."""
         self._has_run_into_object |= cause.code is BehaviorFailure.RAN_INTO_OBJECT
+        if cause.code is BehaviorFailure.LOST_ROBOT_TOUCHES and self._lost_touch is None:
+            # What it did before, it did elsewhere, and it has displaced the object unawares.
+            self._lost_touch = cause
+            self._restart_progress()
         self._progress.count_attempt(cause)
         if not self._plans_next_goal():
             self._enter_after_failure(cause, failure)
+
+    def _restart_progress(self) -> None:
+        """Count attempts from zero, and progress from where the object is now."""
+        self._progress = ProgressMonitor(self._progress.settings, self._progress.aim)
 
     def _enter_after_failure(self, cause: AnyReport, failure: TaskFailure) -> None:
         if self.state in (TaskState.PLAN, TaskState.APPROACH):
@@ -406,7 +420,7 @@ class TaskExecution:
 
     def _with_disturbance(self, cause: AnyReport) -> AnyReport:
         """Add what was wrong with measurements or base in this task, unless that is said."""
-        disturbance = self._perception.pose_jump or self._last_stop
+        disturbance = self._perception.pose_jump or self._lost_touch or self._last_stop
         if disturbance is None or disturbance.code in cause.codes or any(
                 isinstance(code, PerceptionEvent) for code in cause.codes):
             return cause

@@ -6,7 +6,6 @@ Everything else is ``TaskExecution``: a step answers a measurement with a comman
 
 import math
 
-from push_control.behaviors.progress import ProgressMonitor
 from push_control.events import no_plan, TaskEvent
 from push_control.goal import TaskFailure, TaskGoal
 from push_control.perception.object_at_rest import has_moved
@@ -49,10 +48,9 @@ class Supervisor(TaskExecution):
             self._machine.note(self._perception.time, TaskEvent.NEW_GOAL.report(),
                                is_requested=True)
             return
-        self._progress = ProgressMonitor(self._progress.settings, self._progress.aim)
+        self._restart_progress()
         self._perception.forget_contacts()
-        self._machine.start_task()
-        self._last_stop = None
+        self._start_task()
         if self.state is not TaskState.PAUSED:
             self._enter(self._machine.restart_state, self._new_goal_report(), is_requested=True)
 
