@@ -110,7 +110,8 @@ ODOMETRY = {
         _named(SLIP, ELSEWHERE, WRONG_ODOMETRY), must_stop=False,
         note='wheels that slip show in the next contact alone'),
     Word.LIFTED: Expectation(
-        _named(ELSEWHERE, PushEvent.OBJECT_DOES_NOT_FOLLOW, NOT_FOLLOWING), must_stop=False,
+        _named(ELSEWHERE, PushEvent.OBJECT_DOES_NOT_FOLLOW, NOT_FOLLOWING,
+               BehaviorFailure.LOST_ROBOT_TOUCHES), must_stop=False,
         deviation=0.25,
         note='wheels count nothing of it: contacts show it, with the object or with walls; where '
         'a lidar shows it, in `task_lidar`, pushes deviate by 0.23 m without a fault'),

@@ -168,6 +168,8 @@ class TaskMonitor:
         self.seen: set[str] = set()
         self._command_gap = 0.0
         self._commanded_at = math.nan
+        # Longest time for which the robot has moved without a new command [s].
+        self.unattended = 0.0
 
     def watch(self) -> None:
         """Note when the robot stands from now on, and what is reported."""
@@ -175,6 +177,7 @@ class TaskMonitor:
         self.changed_at = time.monotonic()
         self.seen = set()
         self._command_gap, self._commanded_at = 0.0, math.nan
+        self.unattended = 0.0
 
     @property
     def command_gap(self) -> float:
@@ -198,6 +201,8 @@ class TaskMonitor:
             self.odometry_at = time.monotonic()
             self.stands = (math.hypot(twist.v_x, twist.v_y) < STANDING_SPEED
                            and abs(twist.omega) < STANDING_YAW_RATE)
+            if not (self.stands or math.isnan(self._commanded_at)):
+                self.unattended = max(self.unattended, self.odometry_at - self._commanded_at)
             if self.stands and math.isnan(self.stood_at):
                 self.stood_at = self.odometry_at
         elif topic == 'cmd_vel':
