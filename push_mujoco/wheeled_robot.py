@@ -214,6 +214,15 @@ class WheeledPlant:
         self.place_object(self.data, pose)
         self.data.qvel[self._object_dof:self._object_dof + 6] = 0.0
 
+    def show_object(self, pose: Pose) -> None:
+        """
+        Put the object elsewhere, for images alone: no time passes.
+
+        :param pose: ``Pose`` of the object's frame in the world.
+        """
+        self.set_object_pose(pose)
+        _mujoco.mj_kinematics(self.model, self.data)
+
     def place_object(self, data: Any, pose: Pose) -> None:
         """
         Place the object in a state of the scene.

@@ -20,8 +20,9 @@ from push_tags.camera import CameraIntrinsics
 from push_tags.tag_pattern import CELLS
 
 GreyImage = npt.NDArray[np.uint8]
-# Passes, each from where the last one ended; chosen: a third one moves nothing any more.
-PASSES = 3
+# Passes at most, each from where the last one ended, and the change below which the last one ended
+# where it began [pixel]; chosen: far below any noise, and corners that still move are not sharp.
+PASSES, CONVERGED = 20, 0.01
 # Ends of the profiles from the edge, in cells of the tag; chosen: inside border and margin.
 DEPTH_CELLS = 0.5
 # The same in pixels: least, as blur has to end within it, and greatest, as the detector errs by no
@@ -61,6 +62,7 @@ def refine_corners(image: GreyImage, corners: FloatArray,
     """
     detected = corners
     for _ in range(PASSES):
+        before = corners
         edges = [_fit_edge(image, np.roll(corners, -index, axis=0), camera) for index in range(4)]
         lines = [edge for edge in edges if edge is not None]
         if len(lines) < 4:
@@ -70,7 +72,9 @@ def refine_corners(image: GreyImage, corners: FloatArray,
         # False where they are no numbers.
         if not (np.hypot(*(corners - detected).T) <= MAX_CHANGE).all():
             return None
-    return corners
+        if np.abs(corners - before).max() < CONVERGED:
+            return corners
+    return None
 
 
 def _fit_edge(image: GreyImage, corners: FloatArray, camera: CameraIntrinsics) -> _Edge | None:
@@ -79,10 +83,10 @@ def _fit_edge(image: GreyImage, corners: FloatArray, camera: CameraIntrinsics) -
     length = float(np.hypot(*(end - start)))
     if length < CELLS:
         return None
-    along = (end - start) / length
-    # Clockwise in an image whose rows go down: the outside is on the left.
-    outwards = np.array((along[1], -along[0]))
-    width = float(np.min((start - corners[2:]) @ outwards))
+    # Along the other two edges: across the edge, profiles of a slanted tag leave it at their side.
+    across = 0.5 * (start + end - corners[2] - corners[3])
+    width = float(np.hypot(*across))
+    outwards = across / max(width, 1.0)
     depth = float(np.clip(DEPTH_CELLS * width / CELLS, *DEPTH))
     count = int(np.clip(length, *POINTS))
     offsets = np.linspace(-depth, depth, 1 + 2 * int(np.ceil(depth / SPACING)))

@@ -114,9 +114,12 @@ class TaggedObject:
         limit = freedom * self._settings.max_residual ** 2
         possible = sorted((fit for fit in fits if fit is not None and fit.cost <= limit),
                           key=lambda fit: fit.cost)
+        # Tags that fit worse than the settings say have larger errors than these.
+        factor = max(1.0, possible[0].cost / freedom) if possible else 1.0
         minima: list[PoseFit] = []
         for fit in possible:
-            is_refuted = fit.cost - possible[0].cost > self._settings.ambiguity
+            fit = fit._replace(covariance=factor * fit.covariance)
+            is_refuted = fit.cost - possible[0].cost > factor * self._settings.ambiguity
             if not is_refuted and not any(_are_same(fit, other) for other in minima):
                 minima.append(fit)
         return minima

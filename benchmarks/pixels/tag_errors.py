@@ -6,6 +6,7 @@ within 15 degrees of its axis. The table has the errors against the truth, and w
 covariances state: a ratio of 1 is an error as stated.
 """
 
+import dataclasses
 import math
 from typing import NamedTuple
 
@@ -13,15 +14,17 @@ import numpy as np
 from push_model.files.parameter_files import read_object
 from push_model.geometry import Pose, wrap_angle
 from push_model.rigid_transform import RigidTransform
+from push_mujoco.appearance import looks_of
 from push_mujoco.camera import SimulatedCamera
-from push_mujoco.rendering import render_camera, TaggedScene
+from push_mujoco.rendering import Renderer
 from push_mujoco.simulated_robot import DEFAULT_ROBOTS, read_simulated_robot
 from push_mujoco.tags import tag_pictures
+from push_mujoco.wheeled_robot import WheeledPlant
 from push_tags.camera import CameraIntrinsics, CameraMounting
 from push_tags.detection import TagDetector
 from push_tags.pose_fit import View
 from push_tags.settings import DetectorSettings
-from push_tags.tag_layout import read_tag_layout
+from push_tags.tag_layout import read_tag_layout, TagLayout
 from push_tags.tagged_object import TaggedObject
 
 OBJECT = 'box_04'
@@ -50,25 +53,35 @@ def measure(distance: float, count: int, seed: int) -> Errors:
     :param seed: of headings, bearings and pixels.
     :return: ``Errors`` of the images that told a pose.
     """
-    robot = read_simulated_robot(DEFAULT_ROBOTS['differential'])
-    camera = SimulatedCamera()
-    layout = read_tag_layout(OBJECT)
-    scene = TaggedScene(robot, read_object(OBJECT), tag_pictures(layout))
+    camera, layout = SimulatedCamera(), read_tag_layout(OBJECT)
+    plant = WheeledPlant(read_simulated_robot(DEFAULT_ROBOTS['differential']),
+                         obj=read_object(OBJECT), looks=looks_of(tag_pictures(layout)))
     lens = CameraIntrinsics.from_view_angle(camera.width, camera.height, camera.view_angle)
     detector, settings = TagDetector(lens), DetectorSettings()
     rng = np.random.default_rng(seed)
     errors = Errors([], [], [], [], [])
-    for _ in range(count):
-        bearing = rng.uniform(-MAX_BEARING, MAX_BEARING)
-        truth = Pose(camera.x + distance * math.cos(bearing), distance * math.sin(bearing),
-                     rng.uniform(-math.pi, math.pi))
-        image = render_camera(scene, camera, truth, Pose(0.0, 0.0, 0.0), noise=rng)
-        grey = np.rint(image @ (0.299, 0.587, 0.114)).astype(np.uint8)
-        view = View(lens, _mounted_amiss(camera, settings, rng))
-        located = TaggedObject(layout, settings).locate(0.0, detector.detect(grey), view)
-        if located.object_pose is not None and located.object_pose.covariance is not None:
-            _add(errors, truth, located.object_pose.pose, located.object_pose.covariance)
+    with Renderer(plant.model, camera, rng) as renderer:
+        for _ in range(count):
+            bearing = rng.uniform(-MAX_BEARING, MAX_BEARING)
+            truth = Pose(camera.x + distance * math.cos(bearing), distance * math.sin(bearing),
+                         rng.uniform(-math.pi, math.pi))
+            plant.show_object(truth)
+            image = renderer.render(plant.data, Pose(0.0, 0.0, 0.0))
+            grey = np.rint(image @ (0.299, 0.587, 0.114)).astype(np.uint8)
+            view = View(lens, _mounted_amiss(camera, settings, rng))
+            tagged = TaggedObject(_glued_amiss(layout, settings, rng), settings)
+            located = tagged.locate(0.0, detector.detect(grey), view).object_pose
+            if located is not None and located.covariance is not None:
+                _add(errors, truth, located.pose, located.covariance)
     return errors
+
+
+def _glued_amiss(layout: TagLayout, settings: DetectorSettings,
+                 rng: np.random.Generator) -> TagLayout:
+    """Take the tags to be glued as badly as the detector expects."""
+    shifts = settings.tag_deviation * rng.standard_normal((len(layout.tags), 3))
+    return TagLayout(tuple(dataclasses.replace(tag, x=tag.x + x, y=tag.y + y, z=tag.z + z)
+                           for tag, (x, y, z) in zip(layout.tags, shifts.tolist())))
 
 
 def _mounted_amiss(camera: SimulatedCamera, settings: DetectorSettings,

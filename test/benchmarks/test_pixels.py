@@ -32,6 +32,16 @@ def test_an_object_is_detected_within_what_the_detector_states(view) -> None:
     assert detect(0.0, np.full((camera.height, camera.width), 128, dtype=np.uint8)) is None
 
 
+def test_errors_in_images_are_as_large_as_stated() -> None:
+    """From near, where tags err by where they are glued, to far, where their corners do."""
+    skip_without_graphics()
+    from benchmarks.pixels.tag_errors import measure
+    for depth in (0.55, 1.2, 2.7):
+        squares = measure(depth, 12, seed=5).squares
+        assert len(squares) >= 9
+        assert 0.7 < math.sqrt(np.mean(squares) / 3.0) < 1.3
+
+
 def test_drawn_tasks_differ_by_their_seed_alone() -> None:
     first, again, other = (cases.draw_scenario('room', seed) for seed in (1, 1, 2))
     assert first == again

@@ -62,6 +62,18 @@ def test_corners_are_detected_to_a_tenth_of_a_pixel(camera) -> None:
     assert np.sqrt(np.mean(np.square(errors))) < 0.1
 
 
+def test_the_corners_of_slanted_tags_are_sharp_or_the_tag_is_refused() -> None:
+    """Seen at 60 to 80 degrees, the upper and lower edge are short and run askew."""
+    detector, errors = TagDetector(CAMERA), []
+    for distance, heading in ((0.6, 0.6), (0.9, 0.6), (0.9, -0.6), (0.9, 0.4)):
+        in_camera = object_in_camera(Pose(distance, 0.0, heading), MOUNTING.optical_pose)
+        detections = detector.detect(draw_tags(LAYOUT, CAMERA, in_camera, noise=2.0))
+        errors += [tag.corners - corners_in_image(CAMERA, in_camera, tag.id)
+                   for tag in detections if np.ptp(tag.corners[:, 0]) < 31.0]
+    assert len(errors) >= 3
+    assert np.abs(errors).max() < 0.15
+
+
 def test_the_gradient_is_that_of_the_projection_and_directions_invert_it() -> None:
     points = np.random.default_rng(3).uniform((-0.4, -0.3, 0.8), (0.4, 0.3, 2.0), (9, 3))
     gradient = LENS.projection_gradient(points)

@@ -1,5 +1,6 @@
 """Laws of object poses from tags: exact without noise, calibrated with it, never mirrored."""
 
+import dataclasses
 import math
 
 from helpers.extras import import_extra
@@ -41,6 +42,14 @@ def see(pose, view=VIEW, layout=LAYOUT, noise=0.0, rng=None) -> list[TagDetectio
     return detections
 
 
+def glued_amiss(rng, layout=LAYOUT) -> TagLayout:
+    """Return where tags really are: each off its place as the settings expect."""
+    return TagLayout(tuple(
+        dataclasses.replace(tag, x=tag.x + shift[0], y=tag.y + shift[1], z=tag.z + shift[2])
+        for tag in layout.tags
+        for shift in [SETTINGS.tag_deviation * rng.standard_normal(3)]))
+
+
 def locate(detections, view=VIEW, layout=LAYOUT) -> TagPose:
     """Estimate a pose at once."""
     return TaggedObject(layout, SETTINGS).locate(0.0, detections, view)
@@ -60,8 +69,9 @@ def test_the_stated_covariance_is_that_of_the_errors(layout) -> None:
     rng = np.random.default_rng(7)
     inside = 0
     for _ in range(100):
-        estimate = locate(see(POSE, layout=layout, noise=SETTINGS.corner_noise, rng=rng),
-                          layout=layout).object_pose
+        detections = see(POSE, layout=glued_amiss(rng, layout), noise=SETTINGS.corner_noise,
+                         rng=rng)
+        estimate = locate(detections, layout=layout).object_pose
         error = np.subtract(estimate.pose, POSE)
         inside += error @ np.linalg.solve(estimate.covariance.matrix, error) < CHI_SQUARE_95
     assert 90 <= inside <= 99
@@ -77,11 +87,21 @@ def test_a_camera_that_is_mounted_amiss_errs_as_stated() -> None:
         amiss = View(CAMERA, RigidTransform.from_angles(lens, (roll, pitch, 0.0))
                      @ CameraMounting(pitch=0.1).optical_pose)
         pose = Pose(0.7, 0.1, float(rng.uniform(-3.0, 3.0)))
-        seen = see(pose, amiss, noise=SETTINGS.corner_noise, rng=rng)
+        seen = see(pose, amiss, glued_amiss(rng), SETTINGS.corner_noise, rng)
         estimate = locate(seen).object_pose
         error = np.subtract(estimate.pose, pose)
         squares.append(float(error @ np.linalg.solve(estimate.covariance.matrix, error)) / 3.0)
     assert 0.7 < math.sqrt(np.mean(squares)) < 1.3
+
+
+def test_tags_that_fit_badly_state_larger_errors() -> None:
+    """As a lens that is calibrated badly shows them, three times as noisy as expected."""
+    rng = np.random.default_rng(5)
+    fits = [locate(see(POSE, noise=noise * SETTINGS.corner_noise, rng=rng)).object_pose
+            for noise in (0.5, 3.0) for _ in range(10)]
+    good, bad = (np.median([fit.covariance.heading_deviation for fit in part])
+                 for part in (fits[:10], fits[10:]))
+    assert bad > 1.5 * good
 
 
 def test_a_rotation_of_the_world_rotates_pose_and_covariance() -> None:
