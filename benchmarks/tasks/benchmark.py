@@ -21,7 +21,6 @@ from benchmarks.tasks.cases import (
 )
 from benchmarks.tasks.eyes import ALWAYS_SEEN, EYES, seen_jobs
 from benchmarks.tasks.picture import picture
-from benchmarks.tasks.public_table import public_table
 from benchmarks.tasks.reference import refer
 from benchmarks.tasks.report import text
 from benchmarks.tasks.run import disturbed, run, run_case
@@ -190,8 +189,6 @@ def main() -> int:
     before = page.read_text(encoding='utf-8') if page is not None and page.exists() else ''
     written = text(all_jobs, all_records, before)
     print(written)
-    if PUBLIC_MAPS in chosen.parts:
-        print(public_table(list(zip(all_jobs, all_records))))
     if chosen.out:
         chosen.out.mkdir(parents=True, exist_ok=True)
         (chosen.out / 'tasks.md').write_text(written, encoding='utf-8')

@@ -96,8 +96,11 @@ def draw_public_task(folder: str, number: int, obj: PushedObject, robot: RoundRo
         places = _places(grid, inner_reach(obj), robot.radius)
         for _ in range(MAX_ATTEMPTS):
             poses = _draw_poses(places, obj, robot, rng)
-            if poses is not None:
-                return PublicTask(path.stem, _part_round(grid, poses), *poses)
+            if poses is None:
+                continue
+            part = _part_round(grid, poses)
+            if is_connected(part.occupancy_map, inner_reach(obj) + CLEARANCE, *poses[:2]):
+                return PublicTask(path.stem, part, *poses)
     raise ValueError(f'{folder}: got no map in which the object fits, expected one')
 
 
@@ -184,6 +187,21 @@ def contact_cells(occupancy_map: OccupancyMap, robot_fits: BoolArray, obj: Pushe
     gaps = _gaps(occupancy_map, obj, start, radius)
     free = robot_fits & (gaps > 0.0)
     return free, free & (gaps < occupancy_map.resolution + TOUCHING)
+
+
+def is_connected(occupancy_map: OccupancyMap, radius: float, start: Pose, goal: Pose) -> bool:
+    """
+    Tell whether a disc fits all along some path between two poses.
+
+    A path that leaves the map does not count: around a part of a larger map there may be one.
+
+    :param radius: of the disc [m].
+    """
+    regions = np.empty(occupancy_map.occupied.shape, dtype=np.int_)
+    label(occupancy_map.distances[1:-1, 1:-1] > radius, output=regions)
+    cells = occupancy_map.to_map([start[:2], goal[:2]]) / occupancy_map.resolution
+    first, last = (int(regions[row, column]) for column, row in cells.astype(int).tolist())
+    return first == last > 0
 
 
 def _gaps(occupancy_map: OccupancyMap, obj: PushedObject, start: Pose,

@@ -16,6 +16,7 @@ from benchmarks.tasks.eyes_tables import eyes_table
 from benchmarks.tasks.groups import (
     Group, grouped_parts, kind, variety, with_informed_times,
 )
+from benchmarks.tasks.public_table import public_tables
 from benchmarks.tasks.tables import (
     collision_table, correction_table, effort_table, failure_table, recovery_table, state_table,
     success_table, wall_table,
@@ -59,7 +60,8 @@ def text(jobs: Sequence[Job], records: Sequence[Record], page: str = '') -> str:
         CLEARANCES=collision_table(mapped) if mapped else NOT_MEASURED,
         DISTURBED=success_table(disturbed) if disturbed else NOT_MEASURED,
         BASES=_bases(all_pairs, BASES), SPATIALBASES=_bases(all_pairs, SPATIAL_BASES),
-        FARROBOTS=_far_robots(all_pairs), WALLS=_at_walls(pairs),
+        FARROBOTS=_far_robots(all_pairs), PUBLIC=public_tables(all_pairs) or NOT_MEASURED,
+        WALLS=_at_walls(pairs),
         EYES=_eyes(all_pairs, OWN_EYES), SPATIALEYES=_eyes(all_pairs, SPATIAL_EYES),
         FAILURES=failure_table(pairs), RECOVERIES=recovery_table(pairs))
     return updated_page(TEXT, new, page, lambda name, value: (

@@ -6,14 +6,17 @@ import time
 from typing import Optional
 
 from benchmarks.controller.tables import Job, Record
-from benchmarks.tasks.cases import Case, draw, Tolerance, WALLS
+from benchmarks.tasks.bound import least_time
+from benchmarks.tasks.cases import Case, draw, PUBLIC_MAPS, Tolerance, WALLS
 from benchmarks.tasks.intervention import Intervention
 from benchmarks.tasks.maps import distinct_poses, Floor, object_clearance, robot_clearance
+from benchmarks.tasks.refusals import answer
 from benchmarks.tasks.wall_contact import wall_record
 from benchmarks.tasks.weight import weight_record
 from push_control.task.code_text import code_text
 from push_control.task.status import SupervisorStatus, TaskState
 from push_control.task.supervisor import Supervisor
+from push_model.geometry import Pose
 from push_model.parameters import PushedObject, Support
 from push_model.plan_request import PlanRequest
 from push_navigation.settings import MapSettings
@@ -102,6 +105,8 @@ def run(job: Job) -> Record:
         record.update(_clearances(case, case.floor, _tape(result)))
     elif case.scenario.task is not None and case.scenario.task.map is not None:
         record.update(_clearances_of_cells(case, case.scenario.task.map, _tape(result)))
+    if job['part'] == PUBLIC_MAPS:
+        record.update(_of_public_map(case, result))
     if job['part'] == WALLS:
         # Object and walls are meant to touch: how hard is what counts.
         del record['object_clearance']
@@ -191,6 +196,17 @@ def state_times(status: SupervisorStatus, duration: float) -> Record:
     return {**{f'in_{state.value}': seconds for state, seconds in spent.items()},
             'recovery_codes': '; '.join(
                 code_text(change.codes) for change in history[1:-1] if change.codes)}
+
+
+def _of_public_map(case: Case, result: RunResult) -> Record:
+    """Bound the time of a task, and tell what could be done where it was given up."""
+    task = case.scenario.task
+    record: Record = {'least': least_time(case.scenario)}
+    if result.outcome is Outcome.DONE or task is None or task.occupancy_map is None:
+        return record
+    tape = _tape(result)
+    ends = (Pose(*tape.poses(body)[-1].tolist()) for body in ('object', 'robot'))
+    return {**record, 'answer': answer(case.scenario, task.occupancy_map, *ends).value}
 
 
 def _clearances(case: Case, floor: Floor, tape: Tape) -> Record:

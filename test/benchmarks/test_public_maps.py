@@ -3,12 +3,13 @@
 import math
 from pathlib import Path
 
-from benchmarks.map_plans.instances import bodies
+from benchmarks.map_plans.instances import bodies, Instance
 from benchmarks.tasks.cases import PUBLIC_MAPS
 from benchmarks.tasks.public_maps import (
-    CLEARANCE, draw_public_task, GOAL_DISTANCES, map_files, robot_cells,
+    CLEARANCE, draw_public_task, GOAL_DISTANCES, is_connected, map_files, robot_cells,
 )
-from benchmarks.tasks.public_table import public_table
+from benchmarks.tasks.public_table import public_tables
+from benchmarks.tasks.refusals import Answer, answer
 from helpers.maps import walled_floor, walled_room
 import numpy as np
 from push_model.geometry import BoolArray, distance, Pose
@@ -73,21 +74,44 @@ def test_an_object_that_nobody_can_touch_has_no_robot() -> None:
                            robot.radius).any()
 
 
+def test_poses_are_connected_where_a_disc_fits_through_the_map() -> None:
+    """Through a door that is wider than the disc, and not through a narrower one."""
+    poses = Pose(-1.5, 0.3, 0.0), Pose(1.5, -0.4, 1.0)
+    for door, passes in ((0.5, False), (1.0, True)):
+        floor = walled_floor(6.0, 4.0, door)
+        assert is_connected(floor, 0.35, *poses) == passes
+        assert is_connected(floor, 0.35, poses[0], poses[0])
+
+
 def test_a_folder_without_maps_is_refused(tmp_path: Path) -> None:
     """The sentence names it."""
     with pytest.raises(FileNotFoundError, match=str(tmp_path)):
         map_files(str(tmp_path))
 
 
-def test_the_table_counts_answers_goals_and_collisions() -> None:
-    """A refused task has no answer, and its code stands in the last column."""
+def test_the_tables_count_answers_goals_collisions_and_refusals() -> None:
+    """A refused task has no answer; its code, and what could be done there, are stated."""
     job = {'part': PUBLIC_MAPS, 'kind': 'bin, holonomic', 'seed': 0}
     done = {'variety': 'lidar', 'success': True, 'planning': '0.2000 0.1000', 'codes': '',
             'outcome': 'done', 'object_clearance': -0.01, 'robot_clearance': 0.1,
-            'duration': 40.0, 'longest_step': 0.3}
+            'duration': 40.0, 'least': 16.0, 'longest_step': 0.3}
     refused = {**done, 'success': False, 'planning': '', 'codes': 'NO_FACE', 'outcome': 'failed',
-               'object_clearance': 0.1}
-    row = public_table([(job, done), (job, refused)]).splitlines()[-1]
-    cells = [cell.strip() for cell in row.strip('|').split('|')]
-    assert cells[:4] == ['lidar', '2', '1', '1'] and cells[5] == '1; 0'
-    assert cells[6] == '0.20 / 0.20' and cells[-1] == '1 NO_FACE'
+               'object_clearance': 0.1, 'answer': Answer.PUSHES.value}
+    driven, answers = ([cell.strip() for cell in line.strip('|').split('|')]
+                       for line in public_tables([(job, done), (job, refused)]).splitlines()
+                       if line.startswith('| lidar'))
+    assert driven[:4] == ['lidar', '2', '1', '1']
+    assert driven[6:] == ['1; 0', '40', '2.50']
+    assert answers == ['lidar', '0.20 / 0.20', '0.3', '1', '0', '1', '0', '1 NO_FACE']
+
+
+def test_what_a_planner_that_knows_all_answers_is_told() -> None:
+    """Across a room there is a plan; an object that nobody can touch is stuck."""
+    obj, robot = bodies('box_04', 'differential')
+    walls = [(-0.5, 0.5, 0.35, 0.45), (-0.5, 0.5, -0.45, -0.35), (-0.5, -0.4, -0.45, 0.45),
+             (0.4, 0.5, -0.45, 0.45)]
+    for blocks, expected in (([], Answer.PLAN), (walls, Answer.NOTHING)):
+        instance = Instance(walled_room(*blocks), obj, robot, Pose(0.0, 0.0, 0.0),
+                            Pose(-1.0, 0.0, 0.0), Pose(1.0, 0.3, 0.0))
+        assert answer(instance.scenario, instance.occupancy_map, instance.start,
+                      instance.robot_start) is expected

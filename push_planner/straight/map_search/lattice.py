@@ -4,7 +4,7 @@ import math
 from typing import Any
 
 from push_dynamics.compiled import compiled, wrap_angles
-from push_planner.straight.map_search.problem import CELL
+from push_planner.straight.map_search.problem import CELL, FREE
 
 # Cells near the goal, where otherwise all corrections would fall into one: side [m], headings of a
 # turn; chosen.
@@ -13,6 +13,23 @@ FINE_DISTANCE, FINE_ANGLE = 0.25, 0.6
 # The same on the way to a goal from which no push leads back; chosen.
 ENCLOSED_CELL, ENCLOSED_HEADINGS = 0.04, 48
 ENCLOSED_DISTANCE = 0.6
+# Distance from the goal within which a disc is rolled to its heading [m], and headings of a turn
+# that are told apart there; chosen: wide enough for half a turn.
+ROLLING_RANGE, ROLLING_HEADINGS = 1.5, 12
+
+
+@compiled
+def is_rolled(query: Any, is_disc: bool, x: float, y: float) -> bool:
+    """
+    Tell whether the object is a disc that is so near to its goal that its heading counts.
+
+    :param query: ``Query``.
+    :param x: of the object in the frame of the map [m].
+    :param y: likewise [m].
+    """
+    d_x, d_y = query.goal.x - x, query.goal.y - y
+    return (is_disc and query.settings.heading_tolerance < FREE
+            and d_x * d_x + d_y * d_y < ROLLING_RANGE * ROLLING_RANGE)
 
 
 @compiled
@@ -33,8 +50,8 @@ def cell_key(query: Any, pose: Any, face: int, is_disc: bool) -> int:
           and abs(goal.y - pose[1]) < ENCLOSED_DISTANCE):
         cell, headings, kind = ENCLOSED_CELL, ENCLOSED_HEADINGS, 2
     elif is_disc:
-        # How a disc is turned matters only where it has no room to turn at its goal.
-        headings, face = query.lattice.disc_headings, 0
+        headings = ROLLING_HEADINGS if is_rolled(query, is_disc, pose[0], pose[1]) else 1
+        face = 0
     column, row = int(math.floor(pose[0] / cell)), int(math.floor(pose[1] / cell))
     heading = int(math.floor(pose[2] * headings / (2.0 * math.pi) + 0.5)) % headings
     key = (column * 1048576 + row) * 128 + heading

@@ -41,15 +41,13 @@ class Lattice(NamedTuple):
     Lattice of poses of the object; of those in one cell only the cheapest is searched from.
 
     :param cell: side of a cell [m].
-    :param headings: number of headings that it distinguishes in a turn.
-    :param disc_headings: the same of a disc.
+    :param headings: number of headings that it distinguishes in a turn; not of a disc.
     :param dense_range: distance of the object from its start, along either axis, within which it
         is pushed at all contact points and at all approach angles [m].
     """
 
     cell: float
     headings: int
-    disc_headings: int
     dense_range: float
 
 

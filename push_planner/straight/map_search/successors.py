@@ -12,7 +12,7 @@ from push_navigation.floor import clearance
 from push_planner.straight.map_search.chance import failure_cost
 from push_planner.straight.map_search.dead_ends import is_dead_end, STANDOFF
 from push_planner.straight.map_search.estimate import estimate, heading_error
-from push_planner.straight.map_search.lattice import cell_key, find_slot
+from push_planner.straight.map_search.lattice import cell_key, find_slot, is_rolled
 from push_planner.straight.map_search.object_distance import UNREACHED
 from push_planner.straight.map_search.priority_queue import push
 from push_planner.straight.map_search.problem import (
@@ -74,7 +74,8 @@ def expand(problem: Any, memory: Any, parent: int) -> None:
     memory.final[LENGTH_TO_GOAL] = 0.0
     memory.final[GAP] = UNREACHED
     away = max(abs(query.start.x - node[X]), abs(query.start.y - node[Y]))
-    is_dense = away < query.lattice.dense_range
+    is_disc = problem.scene.vertices.shape[0] == 0
+    is_dense = away < query.lattice.dense_range or is_rolled(query, is_disc, node[X], node[Y])
     if away < START_RANGE:
         memory.final[GAP] = object_clearance(
             problem.scene, node[X], node[Y], node[THETA], ENOUGH)

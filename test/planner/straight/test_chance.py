@@ -22,7 +22,7 @@ ERROR = 0.01
 SETTINGS = SearchSettings(0.007, 0.012, accepted_error=ERROR, open_radius=1.0, contact_time=4.0,
                           pushing_speed=0.2, robot_speed=0.3)
 ORIGIN = Pose(0.0, 0.0, 0.0)
-QUERY = Query(ORIGIN, ORIGIN, ORIGIN, SETTINGS, Lattice(0.18, 12, 1, 0.0), 0.02, 1.0, 0.0,
+QUERY = Query(ORIGIN, ORIGIN, ORIGIN, SETTINGS, Lattice(0.18, 12, 0.0), 0.02, 1.0, 0.0,
               is_goal_enclosed=True, closing_time=0.0, max_expansions=1, max_work=1, half=1,
               first_half=1)
 

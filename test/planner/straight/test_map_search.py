@@ -4,7 +4,7 @@ import dataclasses
 import math
 
 from helpers.maps import scattered_cells, true_distances, walled_floor, walled_room
-from helpers.objects import box
+from helpers.objects import bin_, box
 import numpy as np
 from push_model.geometry import Pose
 from push_model.parameters import RoundRobot
@@ -18,7 +18,8 @@ from push_navigation.settings import DriveSettings
 from push_planner.problem import PlanningFailed
 from push_planner.settings import PlannerSettings
 from push_planner.straight.map_search.object_distance import distance_grid, narrowest_passage
-from push_planner.straight.map_search.planner import MIN_FRACTION, plan_push_in_map
+from push_planner.straight.map_search.planner import (
+    MAX_EXPANSIONS, MIN_FRACTION, plan_push_in_map)
 from push_planner.straight.map_search.priority_queue import push, remove_first
 from push_planner.straight.map_search.reachable_set import (
     fill_reachable_set, HALF_WINDOW, path_length, ReachableSet, RobotMargins, SPACING, UNREACHED)
@@ -74,6 +75,17 @@ def test_the_object_is_pushed_through_a_door_step_by_step(robot, goal):
         pytest.fail(f'got to {here}, expected {goal}')
     # To waypoints up to the door, then to the goal itself.
     assert styles[0] is PushStyle.WAYPOINT and styles[-1] is PushStyle.STRAIGHT
+
+
+@pytest.mark.parametrize('heading', [1.0, -2.0, 3.1])
+@pytest.mark.parametrize('x, y', [(-1.6, 0.0), (-1.5, -1.5)], ids=['wall', 'corner'])
+def test_a_disc_is_rolled_to_its_heading_before_a_goal_at_walls(
+        x: float, y: float, heading: float) -> None:
+    """The search with the widest margins finds how; at the goal there is no room for it."""
+    request = PlanRequest(Pose(0.8, 0.5, 0.0), Pose(1.2, -0.8, 0.0), Pose(x, y, heading),
+                          bin_(feet=4))
+    planned = plan_push_in_map(request, HOLONOMIC, SETTINGS, DRIVE, walled_room(side=4.0))
+    assert 0 < planned.expansions < MAX_EXPANSIONS[0]
 
 
 def test_where_any_heading_does_that_of_the_goal_has_no_effect() -> None:
