@@ -15,9 +15,9 @@ import sys
 from benchmarks.controller.tables import Job, Record
 from benchmarks.tasks.bases import BAD_BASES, compared_jobs, LEARNED, TREATMENTS
 from benchmarks.tasks.cases import (
-    BASE_PARTS, BASES, BY_ODOMETRY, draw, EYES_PARTS, FAR_ROBOTS, FLATS, IN_MAPS, jobs, KINDS,
-    LIDAR_PARTS, odometry_jobs, OPEN, OWN_EYES, PARTS, PUBLIC_MAPS, SLOPES, SPATIAL_BASES,
-    SPATIAL_EYES, STRICT, WALLS,
+    ANY_HEADING, BASE_PARTS, BASES, BY_ODOMETRY, draw, EYES_PARTS, FAR_ROBOTS, FLATS, free_jobs,
+    IN_MAPS, jobs, KINDS, LIDAR_PARTS, odometry_jobs, OPEN, OWN_EYES, PARTS, PUBLIC_MAPS, SLOPES,
+    SPATIAL_BASES, SPATIAL_EYES, STRICT, WALLS,
 )
 from benchmarks.tasks.eyes import ALWAYS_SEEN, EYES, seen_jobs
 from benchmarks.tasks.picture import picture
@@ -60,9 +60,11 @@ def options() -> argparse.Namespace:
                         f'{PUBLIC_MAPS}, which is skipped without it')
     parser.add_argument('--seed', type=int,
                         help='run this task of the part only, and print what happens')
-    parser.add_argument('--base', choices=(*TREATMENTS, ALWAYS_SEEN, BY_ODOMETRY), default=LEARNED,
+    parser.add_argument('--base', choices=(*TREATMENTS, ALWAYS_SEEN, BY_ODOMETRY, ANY_HEADING),
+                        default=LEARNED,
                         help='how such a task treats a bad base, or that its object is always '
-                        'seen, or that its robot has no lidar; default: %(default)s')
+                        'seen, or that its robot has no lidar, or that its bin may have any '
+                        'heading at a wall; default: %(default)s')
     chosen = parser.parse_args()
     chosen.counts = {part: count for part, count in chosen.parts or [] if count is not None}
     if chosen.parts is not None:
@@ -138,6 +140,8 @@ def measure(chosen: argparse.Namespace) -> tuple[list[Job], list[Record]]:
             tasks += seen_jobs(tasks)
         if part in LIDAR_PARTS:
             tasks += odometry_jobs(tasks)
+        if part == WALLS:
+            tasks += free_jobs(tasks)
         references: list[Record] = [{} for _ in tasks]
         if part == OPEN:
             references = run_jobs(chosen, refer, f'{part}, reference', tasks)

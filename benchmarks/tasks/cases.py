@@ -85,6 +85,8 @@ NEAR_IN_FLAT = 1.5
 CELLS = 0.025, 0.05, 0.1
 # How a task of far robots treats odometry: with a lidar beside it, or alone.
 BY_LIDAR, BY_ODOMETRY = 'lidar', 'odometry alone'
+# What tasks of round objects at walls are compared with: the same, done with any heading.
+ANY_HEADING = 'any heading'
 # Least distance of the robot from the object, and of both from obstacles, at the start [m];
 # chosen, and apart from the settings, so that tasks stay the same.
 CLEARANCE = 0.05
@@ -136,6 +138,7 @@ class Tolerance(NamedTuple):
         return f'{1e3 * self.position:g} mm, {math.degrees(self.heading):g} deg'
 
 
+FREE_TOLERANCE = Tolerance(heading=math.tau)
 # Set for tasks.
 TAG_TOLERANCE = Tolerance(0.02, math.radians(2.0))
 STRICT_TOLERANCES = (Tolerance(0.005, math.radians(0.5)), Tolerance(0.003, math.radians(0.3)))
@@ -190,6 +193,15 @@ def odometry_jobs(tasks: Sequence[Job]) -> list[Job]:
     return [{**job, 'base': BY_ODOMETRY} for job in tasks]
 
 
+def free_jobs(tasks: Sequence[Job]) -> list[Job]:
+    """
+    List what tasks of bins at walls are compared with: each of them done with any heading.
+
+    :param tasks: of ``jobs``, of ``WALLS``.
+    """
+    return [{**job, 'base': ANY_HEADING} for job in tasks if job['kind'].startswith('bin,')]
+
+
 def draw(part: str, kind: str, seed: int, base: str = LEARNED, maps: str = '') -> Case:
     """
     Draw a task.
@@ -198,7 +210,8 @@ def draw(part: str, kind: str, seed: int, base: str = LEARNED, maps: str = '') -
     :param kind: one of the ``KINDS`` of this part.
     :param seed: of all draws.
     :param base: what the task is compared with: one of ``TREATMENTS`` of a base, of ``BASE_PARTS``
-        only; ``ALWAYS_SEEN``, of ``EYES_PARTS`` only; ``BY_ODOMETRY``, of ``LIDAR_PARTS`` only.
+        only; ``ALWAYS_SEEN``, of ``EYES_PARTS`` only; ``BY_ODOMETRY``, of ``LIDAR_PARTS`` only;
+        ``ANY_HEADING``, of ``WALLS`` only.
     :param maps: folder of maps, of ``PUBLIC_MAPS`` only.
     :return: ``Case``.
     """
@@ -207,7 +220,8 @@ def draw(part: str, kind: str, seed: int, base: str = LEARNED, maps: str = '') -
         return case._replace(variety=BY_ODOMETRY) if base == BY_ODOMETRY else (
             _by_lidar(case)._replace(variety=BY_LIDAR))
     if part == WALLS:
-        return _by_lidar(_at_walls(kind, seed))
+        case = _by_lidar(_at_walls(kind, seed))
+        return _with_tolerance(case, FREE_TOLERANCE) if base == ANY_HEADING else case
     if part in (OPEN, IN_MAPS, FLATS, DISTURBED):
         return _draw(part, kind, seed)
     rng = _rng(part, kind, seed)

@@ -9,8 +9,8 @@ from benchmarks.tasks.aims import aim_table
 from benchmarks.tasks.base_tables import base_table, weight_table
 from benchmarks.tasks.bases import LEARNED, treatment
 from benchmarks.tasks.cases import (
-    BASE_PARTS, BASES, DISTURBED, EYES_PARTS, FAR_ROBOTS, IN_MAPS, LIDAR_PARTS, OPEN, OWN_EYES,
-    PARTS, SPATIAL_BASES, SPATIAL_EYES, STRICT, WALLS, WHEELS,
+    ANY_HEADING, BASE_PARTS, BASES, DISTURBED, EYES_PARTS, FAR_ROBOTS, IN_MAPS, LIDAR_PARTS, OPEN,
+    OWN_EYES, PARTS, SPATIAL_BASES, SPATIAL_EYES, STRICT, WALLS, WHEELS,
 )
 from benchmarks.tasks.eyes_tables import eyes_table
 from benchmarks.tasks.groups import (
@@ -61,7 +61,7 @@ def text(jobs: Sequence[Job], records: Sequence[Record], page: str = '') -> str:
         DISTURBED=success_table(disturbed) if disturbed else NOT_MEASURED,
         BASES=_bases(all_pairs, BASES), SPATIALBASES=_bases(all_pairs, SPATIAL_BASES),
         FARROBOTS=_far_robots(all_pairs), PUBLIC=public_tables(all_pairs) or NOT_MEASURED,
-        WALLS=_at_walls(pairs),
+        WALLS=_at_walls(all_pairs),
         EYES=_eyes(all_pairs, OWN_EYES), SPATIALEYES=_eyes(all_pairs, SPATIAL_EYES),
         FAILURES=failure_table(pairs), RECOVERIES=recovery_table(pairs))
     return updated_page(TEXT, new, page, lambda name, value: (
@@ -86,9 +86,13 @@ def _far_robots(pairs: Sequence[Pair]) -> str:
 
 
 def _at_walls(pairs: Sequence[Pair]) -> str:
-    groups = grouped_parts(pairs, (WALLS,), variety) + grouped_parts(pairs, (WALLS,), kind)[1:]
+    stated, free = ([pair for pair in pairs if treatment(pair[0]) == base]
+                    for base in (LEARNED, ANY_HEADING))
+    groups = grouped_parts(stated, (WALLS,), variety) + grouped_parts(stated, (WALLS,), kind)[1:]
     if not groups:
         return NOT_MEASURED
+    groups += [group._replace(name=f'{group.name}, {ANY_HEADING}')
+               for group in grouped_parts(free, (WALLS,), kind)[1:]]
     return f'{success_table(groups)}\n\n{wall_table(groups)}'
 
 

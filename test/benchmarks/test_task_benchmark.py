@@ -7,13 +7,13 @@ from types import SimpleNamespace
 from benchmarks.controller.tables import ALL, table
 from benchmarks.tasks.aims import aim_table, aims
 from benchmarks.tasks.bases import (
-    BAD_BASES, compared_jobs, DRAWN, GOOD, NOT_LEARNED, treatment,
+    BAD_BASES, compared_jobs, DRAWN, GOOD, LEARNED, NOT_LEARNED, treatment,
 )
 from benchmarks.tasks.bound import contact_path_bound, gap, least_time
 from benchmarks.tasks.cases import (
-    BASE_PARTS, BASES, CREEPING, DISTURBED, draw, EYES_PARTS, FAR_ROBOTS, FRICTIONLESS, IN_MAPS,
-    INFORMED, jobs, KINDS, MAX_SLOPE, odometry_jobs, OPEN, OWN_EYES, PARTS, PUBLIC_MAPS, SLIPPERY,
-    SLOPES, SPATIAL, STRICT, TAG, Tolerance, WALLS, WHEELS,
+    BASE_PARTS, BASES, CREEPING, DISTURBED, draw, EYES_PARTS, FAR_ROBOTS, free_jobs, FRICTIONLESS,
+    IN_MAPS, INFORMED, jobs, KINDS, MAX_SLOPE, odometry_jobs, OPEN, OWN_EYES, PARTS, PUBLIC_MAPS,
+    SLIPPERY, SLOPES, SPATIAL, STRICT, TAG, Tolerance, WALLS, WHEELS,
 )
 from benchmarks.tasks.eyes import ALWAYS_SEEN, EYES, seen_jobs
 from benchmarks.tasks.eyes_tables import eyes_table
@@ -129,6 +129,19 @@ def test_a_far_robot_is_compared_with_itself_without_a_lidar():
         assert with_lidar.true_object == plain.true_object
         assert (with_lidar.task.place.source, plain.task.place.source) == ('scan', 'none')
         assert plain.sensors.lidar.rate == 0.0 < with_lidar.sensors.lidar.rate
+
+
+def test_bins_at_walls_are_compared_with_themselves_with_any_heading():
+    """All else of the task is the same; objects with faces run once."""
+    tasks = jobs(WALLS, len(KINDS[WALLS]))
+    job, = free_jobs(tasks)
+    assert job['kind'] == 'bin, holonomic'
+    free, stated = draw(**job), draw(**{**job, 'base': LEARNED})
+    assert free.tolerance.heading >= math.pi > stated.tolerance.heading
+    task = free.scenario.task
+    assert dataclasses.replace(free.scenario, task=dataclasses.replace(
+        task, supervision=stated.scenario.task.supervision)) == stated.scenario
+    assert task.supervision.heading_tolerance == free.tolerance.heading
 
 
 @pytest.mark.parametrize('part', [part for part in PARTS if part != PUBLIC_MAPS])
