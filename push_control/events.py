@@ -71,11 +71,15 @@ class TaskEvent(Cause):
         '(supervision.max_goal_distance)')
     GOAL_UNCERTAIN = (
         'aborted: the object may be at its goal, but its poses do not show it to within the '
-        'tolerances: standard errors of {position:.1f} mm and {heading:.2f} deg')
+        'tolerances: standard errors of {position:.1f} mm and {heading:.2f} deg; with tolerances '
+        'of {position_tolerance:.1f} mm and {heading_tolerance:.1f} deg they would')
     PUSHES_UNSEEN = (
         'aborted: {count} pushes have left the object pose as it was, to the last digit: the '
         'tracker is frozen, or the robot pushes elsewhere')
     ATTEMPTS_USED_UP = 'aborted: no progress in {count} attempts'
+    NEARLY_DONE = (
+        '{abort}; tolerances of {position_tolerance:.1f} mm and {heading_tolerance:.1f} deg '
+        'would do')
     ATTEMPTS_FAILED = 'aborted: no progress in {count} attempts; last failure: {failure}'
     PLANNING_FAILED_AGAIN = 'aborted: planning failed twice from here: {reason}'
     PLANNING_FAILED_FOR_LONG = 'aborted: planning failed for {duration:g} s: {reason}'

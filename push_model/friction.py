@@ -337,7 +337,8 @@ def check_tipping(obj: PushedObject) -> None:
     height = tipping_height(obj)
     if obj.contact_height >= height:
         raise ValueError(f'PushedObject.contact_height: got {obj.contact_height:g} m, expected '
-                         f'below {height:.3g} m, where a push tips the object over')
+                         f'below {math.floor(1e3 * height) / 1e3:g} m, where a push tips the '
+                         'object over')
 
 
 def slide_direction(v_x: Any, v_y: Any, smoothing: Any) -> tuple[Any, Any]:

@@ -139,9 +139,10 @@ class PushedObject:
         unit = self.mass * self._extent ** 2
         least, most = (ratio ** 2 * unit for ratio in GYRATION_RATIOS)
         if not least <= self.inertia <= most:
+            # Rounded by less than the range is narrowed: both ends are accepted.
             raise ValueError(f'PushedObject.inertia: got {self.inertia:g}, expected from '
-                             f'{least:.2g} to {most:.2g} for this mass and outline, or 0 '
-                             '[kg m^2]')
+                             f'{1.001 * least:.4g} to {0.999 * most:.4g} for this mass and '
+                             'outline, or 0 [kg m^2]')
 
     @property
     def _extent(self) -> float:

@@ -8,7 +8,7 @@ from typing import Any, Mapping, NamedTuple, Optional
 from push_model.contact import (
     contact_point, curvature_radius, find_contact, rolling_constants, RollingConstants)
 from push_model.dynamics import ObjectTerms
-from push_model.friction import check_tipping
+from push_model.friction import check_tipping, tipping_height
 from push_model.geometry import Coordinates, Pose, wrap_angle
 from push_model.optional import is_casadi_installed
 from push_model.parameters import Contact, PushedObject, RoundRobot
@@ -240,9 +240,10 @@ def check_object_stands(obj: PushedObject) -> None:
     """
     Refuse an object that tips when it is pushed at its contact height.
 
-    :raises PlanningFailed: with the height at which it tips.
+    :raises PlanningFailed: with the height at which it tips, as ``contact_height`` [m].
     """
     try:
         check_tipping(obj)
     except ValueError as error:
-        raise PlanningFailed(PlanFailure.TIPS, str(error)) from error
+        raise PlanningFailed(PlanFailure.TIPS, str(error),
+                             {'contact_height': tipping_height(obj)}) from error

@@ -12,7 +12,7 @@ from push_control.supervision_settings import (
     BIASED_SIGMAS, LIKELY_SIGMAS, SupervisionSettings)
 from push_model.events import AnyReport, Report
 from push_model.geometry import distance, Pose, wrap_angle
-from push_model.plan_request import PlanFailure, PlanRequest
+from push_model.plan_request import GoalTolerances, PlanFailure, PlanRequest
 from push_model.trajectory import PushStyle, PushTrajectory
 
 # Every other attempt without progress reduces the fraction of the friction cone that a plan may
@@ -61,6 +61,9 @@ REST_REPORT_TIME = 3.0
 # uncertain for as long as it is averaged; chosen: the rest is for that.
 MAP_AIM = 0.8
 REST_TIME_LIMIT = 60.0
+# Factor on its tolerances up to which a task that fails names those that would do; chosen: beyond,
+# the object has not come near its goal.
+MAX_EXCESS = 3.0
 
 
 class GoalCheck(enum.Enum):
@@ -151,6 +154,7 @@ class ProgressMonitor:
         self._unseen_pushes = 0
         self._max_unseen_pushes = MAX_UNSEEN_PUSHES
         self._least_error = math.inf
+        self._least_tolerances: GoalTolerances | None = None
         self._least_time = math.inf
         self._attempts = 0
         self._waypoints = 0
@@ -291,7 +295,7 @@ class ProgressMonitor:
         if self._inspections > MAX_INSPECTIONS:
             self._uncertainty = TaskEvent.GOAL_UNCERTAIN.report(
                 position=1e3 * object_at_rest.position_error,
-                heading=math.degrees(object_at_rest.heading_error))
+                heading=math.degrees(object_at_rest.heading_error), **self._least_change())
 
     def on_planning_failed(self, request: PlanRequest, code: PlanFailure,
                            reason: str | AnyReport, time: float) -> None:
@@ -367,6 +371,7 @@ class ProgressMonitor:
         if (position_error <= settings.position_tolerance - position_margin
                 and heading_error <= settings.heading_tolerance - heading_margin):
             return GoalCheck.REACHED
+        self._note_tolerances(position_error + position_margin, heading_error + heading_margin)
         is_certain = (position_error > settings.position_tolerance + position_margin
                       or heading_error > settings.heading_tolerance + heading_margin)
         if not (is_certain or object_at_rest.is_biased or self._is_averaged(object_at_rest)):
@@ -398,6 +403,25 @@ class ProgressMonitor:
         settings = self.settings
         return max(distance(pose, goal) / settings.position_tolerance,
                    abs(wrap_angle(pose.theta - goal.theta)) / settings.heading_tolerance)
+
+    def _note_tolerances(self, position: float, heading: float) -> None:
+        """Note tolerances [m, rad] with which the goal would be reached, if they are the least."""
+        settings, least = self.settings, self._least_tolerances
+        tolerances = GoalTolerances(max(settings.position_tolerance, position),
+                                    max(settings.heading_tolerance, heading))
+        if least is None or self._excess(tolerances) < self._excess(least):
+            self._least_tolerances = tolerances
+
+    def _excess(self, tolerances: GoalTolerances) -> float:
+        """Return by which factor tolerances exceed those of the task."""
+        return max(tolerances.position / self.settings.position_tolerance,
+                   tolerances.heading / self.settings.heading_tolerance)
+
+    def _least_change(self) -> dict[str, float]:
+        """Return the least tolerances that would do, rounded up, in mm and degrees."""
+        position, heading = self._least_tolerances or GoalTolerances(math.inf, math.inf)
+        return {'position_tolerance': _rounded_up(1e3 * position),
+                'heading_tolerance': _rounded_up(math.degrees(heading))}
 
     def averaging_report(self, object_at_rest: ObjectAtRest) -> Report[TaskEvent] | None:
         """Report what averaging waits for; None where it does not take long."""
@@ -450,9 +474,14 @@ class ProgressMonitor:
             return TaskEvent.ABORTED.report(reason=self._last_hold_up)
         if self._attempts < self.settings.max_attempts:
             return self._uncertainty or self._planning_failure
-        if self._last_failure is None:
-            return TaskEvent.ATTEMPTS_USED_UP.report(count=self._attempts)
-        return TaskEvent.ATTEMPTS_FAILED.report(count=self._attempts, failure=self._last_failure)
+        abort = TaskEvent.ATTEMPTS_USED_UP.report(count=self._attempts)
+        if self._last_failure is not None:
+            abort = TaskEvent.ATTEMPTS_FAILED.report(count=self._attempts,
+                                                     failure=self._last_failure)
+        least = self._least_tolerances
+        if least is None or self._excess(least) > MAX_EXCESS:
+            return abort
+        return TaskEvent.NEARLY_DONE.report(abort=abort, **self._least_change())
 
     @property
     def failure(self) -> TaskFailure | None:
@@ -474,3 +503,8 @@ def _is_at_end(plan: PushTrajectory, pose: Pose) -> bool:
     end = Pose(*plan.object_poses[-1].tolist())
     return (distance(end, pose) < WAYPOINT_DISTANCE
             and abs(wrap_angle(end.theta - pose.theta)) < WAYPOINT_ANGLE)
+
+
+def _rounded_up(value: float) -> float:
+    """Round a value to a tenth, no less than it is."""
+    return math.ceil(10.0 * value) / 10.0 if math.isfinite(value) else value

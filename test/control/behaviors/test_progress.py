@@ -104,6 +104,49 @@ def test_attempts_count_from_the_last_progress():
         TaskEvent.ATTEMPTS_FAILED, BehaviorFailure.OBJECT_NOT_MOVED)
 
 
+@pytest.mark.parametrize('error, rotation, is_biased', [
+    (0.012, 0.0, False), (0.025, 0.01, False), (0.001, 0.04, False), (0.004, 0.0, True)])
+def test_a_task_that_fails_near_its_goal_names_the_least_tolerances_that_would_do(
+        error: float, rotation: float, is_biased: bool) -> None:
+    """With them the same object is at its goal; with a little less it is not."""
+    at_rest = beside_goal(error)._replace(duration=60.0, is_biased=is_biased)
+    at_rest = at_rest._replace(pose=at_rest.pose._replace(theta=GOAL.theta + rotation))
+    if is_biased:
+        at_rest = at_rest._replace(position_error=0.006)
+    monitor = ProgressMonitor(SUPERVISION, AIM)
+    monitor.check_goal(beside_goal(0.4), GOAL)
+    for _ in range(max(MAX_INSPECTIONS + 1, SUPERVISION.max_attempts)):
+        monitor.check_goal(at_rest, GOAL)
+        if is_biased:
+            monitor.count_inspection(at_rest)
+        else:
+            monitor.count_attempt()
+    cause = monitor.abort_cause
+    assert cause is not None
+    assert cause.code is (TaskEvent.GOAL_UNCERTAIN if is_biased else TaskEvent.NEARLY_DONE)
+    named = (1e-3 * cause.values['position_tolerance'],
+             math.radians(cause.values['heading_tolerance']))
+    for reduction, expected in ((0.0, True), (0.11, False)):
+        # Of each tolerance that is not the one of the task.
+        position, heading = (
+            value - reduction * step if value > own else own for value, step, own in
+            zip(named, (1e-3, math.radians(1.0)), AIM))
+        wider = dataclasses.replace(SUPERVISION, position_tolerance=position,
+                                    heading_tolerance=heading)
+        check = ProgressMonitor(wider, AIM).check_goal(at_rest, GOAL)
+        assert (check is GoalCheck.REACHED) == expected
+
+
+def test_a_task_that_fails_far_from_its_goal_names_no_tolerances() -> None:
+    """Nobody would call that done."""
+    monitor = ProgressMonitor(SUPERVISION, AIM)
+    for _ in range(SUPERVISION.max_attempts):
+        monitor.check_goal(beside_goal(0.4), GOAL)
+        monitor.count_attempt()
+    assert monitor.abort_cause is not None
+    assert monitor.abort_cause.code is TaskEvent.ATTEMPTS_USED_UP
+
+
 def test_stops_by_the_safety_layer_count_from_the_last_progress():
     """A long task is not ended by what it has got over each time, a fault that lasts ends it."""
     monitor = ProgressMonitor(SUPERVISION, AIM)

@@ -32,7 +32,7 @@ def test_plan_knows_that_the_object_turns_more_slowly():
     assert verify(mistaken).heading_error > 0.01
 
 
-def test_objects_that_would_tip_are_refused_by_every_planner():
+def test_objects_that_would_tip_are_refused_by_every_planner() -> None:
     tall = bin_(contact_height=0.4)
     requests = (
         lambda: plan_push(problem_from_placement(tall, HOLONOMIC, ORIGIN, BEHIND, GOAL)),
@@ -40,6 +40,11 @@ def test_objects_that_would_tip_are_refused_by_every_planner():
                                   PlannerSettings(), DriveSettings()),
         lambda: checked_request(PlanRequest(ORIGIN, BEHIND, GOAL, tall), HOLONOMIC))
     for request in requests:
-        with pytest.raises(PlanningFailed, match='got 0.4 m, expected below 0.267 m') as refused:
+        with pytest.raises(PlanningFailed, match='contact_height: got 0.4 m') as refused:
             request()
         assert refused.value.code is PlanFailure.TIPS
+        height = refused.value.report['contact_height']
+        lower, higher = (bin_(contact_height=factor * height) for factor in (0.99, 1.01))
+        assert checked_request(PlanRequest(ORIGIN, BEHIND, GOAL, lower), HOLONOMIC)
+        with pytest.raises(PlanningFailed):
+            checked_request(PlanRequest(ORIGIN, BEHIND, GOAL, higher), HOLONOMIC)
