@@ -39,12 +39,16 @@ class ProtectiveCause(Cause):
     OBSTRUCTED_UNTIL_RESUME = (
         'a scan has shown something in the way, in neither map nor object: call '
         'controller/resume or send another goal once that is clear')
+    NO_SCAN_YET = 'no scan has come yet that can be compared with the map'
     NO_SCAN = 'no scan has come for {age:.1f} s that can be compared with the map'
 
     @property
     def awaits_resume(self) -> bool:
         """Tell whether the robot stands until somebody lets it go on, clear or not."""
         return self is ProtectiveCause.OBSTRUCTED_UNTIL_RESUME
+
+
+NO_SCAN_YET = ProtectiveCause.NO_SCAN_YET.report()
 
 
 class Protection(NamedTuple):
@@ -84,11 +88,11 @@ class ProtectiveField:
         Decide on the speed.
 
         :param seen: ``UnexplainedPoints`` of the newest scan; None before the first, without which
-            nothing is protected.
+            the robot stands.
         :param odometry: the newest ``Odometry``.
         """
         if seen is None:
-            return Protection()
+            return Protection(report=NO_SCAN_YET)
         settings, time = self._settings, odometry.time
         velocity = np.array(odometry.twist[:2])
         speed = float(np.hypot(*velocity))

@@ -68,7 +68,8 @@ class Walker:
     def __call__(self, simulation: Simulation, supervisor: Supervisor) -> None:
         """Walk on, and note what the robot does."""
         causes = supervisor.status.codes
-        is_stopped = any(isinstance(code, ProtectiveCause) for code in causes)
+        is_stopped = any(isinstance(code, ProtectiveCause)
+                         and code is not ProtectiveCause.NO_SCAN_YET for code in causes)
         self.stops += is_stopped and not self._was_stopped
         self._was_stopped = is_stopped
         if supervisor.awaits_resume and self._speed == 0.0:

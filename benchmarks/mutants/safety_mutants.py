@@ -134,6 +134,8 @@ PEOPLE = (
             'if (distances < self._settings.slow_distance).any():', 'if False:'),
     _mutant('scans that stop protect all the same', 'protective_field',
             'if age > MAX_AGE:', 'if False:'),
+    _mutant('the robot drives before the first scan', 'protective_field',
+            'return Protection(report=NO_SCAN_YET)', 'return Protection()'),
     _mutant('who has left lets the robot go on', 'protective_field',
             'return self is ProtectiveCause.OBSTRUCTED_UNTIL_RESUME', 'return False',
             '../control/task/test_stand_reasons'),

@@ -99,10 +99,11 @@ def test_one_scan_alone_slows_and_two_in_a_row_stop() -> None:
         assert (again.report is None) == (now.report is None)
 
 
-def test_scans_that_stop_hold_the_robot_and_none_at_all_protect_nobody():
-    """One that has had scans stands without them, and says since when."""
+def test_without_scans_the_robot_stands_be_it_from_the_start_or_later() -> None:
+    """A lidar that is covered, or of which nothing comes, protects nobody."""
     field = ProtectiveField(SETTINGS, RADIUS)
-    assert field.decide(None, driving(1.0)).report is None
+    first = field.decide(None, driving(1.0)).report
+    assert first is not None and first.code is ProtectiveCause.NO_SCAN_YET
     seen = UnexplainedPoints(1.0, NOBODY)
     assert field.decide(seen, driving(1.0)).report is None
     assert field.decide(seen, driving(0.9 + MAX_AGE)).report is None
