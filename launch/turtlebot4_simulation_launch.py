@@ -16,6 +16,7 @@ DEFAULTS = {
     'simulator': ('mujoco_sim', 'which simulator: MuJoCo with wheels and camera, or sim'),
     'robot': ('create3', 'the base of a TurtleBot 4: name in config/robots, or a file'),
     'object': ('box_04', 'object: name in config/objects, or a file'),
+    'sensors': ('bumper', 'sensors of the simulator: name in config/sensors, or a file'),
 }
 
 

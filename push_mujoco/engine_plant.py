@@ -146,6 +146,10 @@ class EnginePlant(Plant):
             return super().make_pose_sensor(settings, noise, losses, outliers)
         return PixelSensor(settings, noise, losses, outliers, eye=self._eye, plant=self.engine)
 
+    def is_bumper_pressed(self, force: float, time: float) -> bool:
+        """Tell whether object or wall press the bumper of the robot; see ``Plant``."""
+        return self.engine.normal_force('bumper', 'skirt') > force
+
     @property
     def odometry_pose(self) -> Pose:
         """Pose of the robot by what its wheels turned; the angle is not wrapped."""

@@ -12,8 +12,8 @@ def make_node() -> Any:
     Make the node: the true object, a true robot on wheels, and their sensors.
 
     It is the simulator, with all its topics, services and parameters, but for several objects; the
-    plant is MuJoCo's. Besides it publishes ``image_raw`` (rgb8) with ``camera_info``, and
-    ``bumper``. Parameters besides: ``mujoco.*``.
+    plant is MuJoCo's. Besides it publishes ``image_raw`` (rgb8) with ``camera_info``. Parameters
+    besides: ``mujoco.*``.
 
     :raises SystemExit: where MuJoCo is not installed.
     """

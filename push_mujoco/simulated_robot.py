@@ -48,8 +48,6 @@ class SimulatedRobot:
                                   high=3.0, default=0.3)
     bumper_height: float = quantity('height of the bumper, where it meets walls', 'm', above=0.0,
                                     high=2.0, default=0.05)
-    bumper_force: float = quantity('force that closes the switch of the bumper', 'N', 0.0, 100.0,
-                                   default=1.5)
     wheel_mass: float = quantity('mass of one wheel', 'kg', above=0.0, high=50.0, default=0.2)
     wheel_radius: float = quantity('radius of the wheels', 'm', above=0.0, high=1.0, default=0.036)
     wheel_width: float = quantity('width of the wheels', 'm', above=0.0, high=1.0, default=0.015)

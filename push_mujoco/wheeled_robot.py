@@ -321,11 +321,6 @@ class WheeledPlant:
             total += float(force[0])
         return total
 
-    @property
-    def is_bumper_pressed(self) -> bool:
-        """Tell whether the switch of the bumper is closed."""
-        return self.normal_force('bumper', 'skirt') > self.robot.bumper_force
-
 
 def _place_free_body(data: Any, first: int, pose: Pose) -> None:
     """Put a free body elsewhere on the floor: its coordinates begin at a number."""

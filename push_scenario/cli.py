@@ -32,7 +32,6 @@ if TYPE_CHECKING:
     from push_scenario.evaluation.result_files import Replay
     from push_scenario.simulation.loop import Progress
     from push_scenario.simulation.result import RunResult
-    from push_sim_node.plant import Plant
     from push_view.belief import BeliefRecorder
 
 AS_EXPECTED, NOT_AS_EXPECTED, MISUSE, INTERRUPTED = 0, 1, 2, 130
@@ -121,14 +120,15 @@ def _replay_all(options: argparse.Namespace) -> int:
 
 
 def _choose_mode(options: argparse.Namespace) -> None:
-    """Run in one process where there is no ROS, unless its clock is asked for, or in MuJoCo."""
-    if options.engine == 'mujoco':
-        if options.real_time:
-            raise ValueError('--real-time: got --engine mujoco too, expected one of the two')
-        options.in_process = True
+    """Run in one process where there is no ROS, unless its clock is asked for."""
     if not options.in_process and not options.real_time and util.find_spec('rclpy') is None:
         _note('no ROS 2 here (no module rclpy): one process runs all')
         options.in_process = True
+
+
+def _is_in_process(scenario: 'Scenario', options: argparse.Namespace) -> bool:
+    """Tell whether one process runs all, as it does in another engine."""
+    return options.in_process or scenario.engine != 'own'
 
 
 def _replay(scenario: 'Scenario', options: argparse.Namespace, *, is_alone: bool) -> 'Replay':
@@ -173,7 +173,7 @@ def _write_scenario(scenario: 'Scenario', folder: Path) -> None:
 
 
 def _read_scenario(name: str, options: argparse.Namespace) -> 'Scenario':
-    """Read a scenario, with the sensors and the map of the command line."""
+    """Read a scenario, with sensors, engine and map of the command line."""
     from push_model.files.parameter_files import named_file
     from push_scenario.definition.expected_poses import with_sensors
     from push_scenario.definition.loader import read_scenario, read_sensors, with_map
@@ -182,6 +182,11 @@ def _read_scenario(name: str, options: argparse.Namespace) -> 'Scenario':
         sensors = read_sensors(named_file('sensors', options.sensors))
         scenario = (with_sensors(scenario, sensors) if scenario.task is not None
                     else dataclasses.replace(scenario, sensors=sensors))
+    if options.engine:
+        scenario = dataclasses.replace(scenario, engine=options.engine)
+    if options.real_time and scenario.engine != 'own':
+        raise ValueError(f'--real-time: got the engine {scenario.engine!r} of {scenario.name} '
+                         'too, expected one of the two')
     return with_map(scenario, options.map) if options.map else scenario
 
 
@@ -206,11 +211,10 @@ def _run(scenario: 'Scenario', law: str, options: argparse.Namespace,
         line(progress)
 
     with Ticker(line.refresh, REFRESH_PERIOD):
-        if options.in_process:
+        if _is_in_process(scenario, options):
             # As over DDS in lockstep, time stands still while a task is planned.
             result = push_scenario.simulate(scenario, law, progress=show, intervene=belief,
-                                            planning_time=0.0,
-                                            plant_type=_plant_type(options.engine))
+                                            planning_time=0.0)
         else:
             result = _run_over_dds(scenario, law, options, show)
     from push_scenario.evaluation.metrics import bounds_missed, verdict
@@ -218,18 +222,6 @@ def _run(scenario: 'Scenario', law: str, options: argparse.Namespace,
     if result.tape is not None:
         result.tape.save(options.out / f'{scenario.name}_{law_file_name(law)}.csv')
     return result
-
-
-def _plant_type(engine: str) -> 'Callable[..., Plant]':
-    """Return what makes the plant of an engine."""
-    if engine == 'own':
-        from push_sim_node.plant import Plant
-        return Plant
-    try:
-        from push_mujoco.engine_plant import engine_plant
-    except ModuleNotFoundError as error:
-        raise RuntimeError(f'--engine: {how_to_install(error.name) or error}') from error
-    return engine_plant()
 
 
 def _run_over_dds(scenario: 'Scenario', law: str, options: argparse.Namespace,
@@ -270,7 +262,7 @@ def _finish(results: Sequence['RunResult'], options: argparse.Namespace,
     if not options.no_pictures and all(result.tape is not None for result in results):
         # Nodes keep to themselves what they believe.
         page = _attempt(name.with_suffix('.html'), lambda path: _write_page(
-            results, path, beliefs if options.in_process else ()))
+            results, path, beliefs if _is_in_process(results[0].scenario, options) else ()))
         pictures = [_attempt(name.with_suffix('.png'), lambda path: _draw_figure(results, path))]
         if options.gif:
             pictures.append(_attempt(name.with_suffix('.gif'),

@@ -5,9 +5,9 @@ from pathlib import Path
 
 from push_control.law_names import LAWS
 from push_scenario.definition.catalogue import scenario_names
+from push_scenario.definition.engine_names import ENGINES
 
 DEMO = 'task_demo'
-ENGINES = 'own', 'mujoco'
 
 
 def make_parser() -> argparse.ArgumentParser:
@@ -45,9 +45,10 @@ def _add_modes(parser: argparse.ArgumentParser) -> None:
                         help='run planner, controller and simulator in one process, without ROS')
     parser.add_argument('--real-time', action='store_true',
                         help='run over DDS at the speed of the wall clock instead of in lockstep')
-    parser.add_argument('--engine', choices=ENGINES, default='own',
-                        help='what moves robot and object: the simulator of the package, or '
-                        'MuJoCo with wheels that slip (in one process; needs the extra mujoco)')
+    parser.add_argument('--engine', choices=ENGINES,
+                        help="what moves robot and object, in place of the scenario's: the "
+                        'simulator of the package (own), or MuJoCo with wheels that slip (in one '
+                        'process; needs the extra mujoco)')
     parser.add_argument('--plan', action='store_true',
                         help='only plan the pushes of a task, and draw them, or why there is no '
                         'plan; the exit status is 1 where there is none')

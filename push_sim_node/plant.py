@@ -336,6 +336,16 @@ class Plant:
             row[end - len(self.obj.supports):end] = self._support_loads
         return row
 
+    def is_bumper_pressed(self, force: float, time: float) -> bool:
+        """
+        Tell whether object or wall press the bumper of the robot.
+
+        :param force: that closes its switch [N].
+        :param time: now [s].
+        """
+        truth = self.truth(time)
+        return truth.force_n > force or truth.walls.holds_robot
+
     def truth(self, time: float) -> Truth:
         """
         Sample everything at once.

@@ -232,8 +232,7 @@ class Simulation:
         """Tell whether the switch of the bumper is closed; None where there is none."""
         if self.sensors.bumper_force == 0.0:
             return None
-        truth = self.truth
-        return (truth.force_n > self.sensors.bumper_force or truth.walls.holds_robot
+        return (self.plant.is_bumper_pressed(self.sensors.bumper_force, self.time)
                 or self._touches_other)
 
     def set_sensors(self, sensors: SensorSettings) -> None:

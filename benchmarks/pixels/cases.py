@@ -7,25 +7,41 @@ from typing import get_args, Literal, NamedTuple
 import numpy as np
 from push_control.supervision_settings import SupervisionSettings
 from push_control.task.supervisor import Supervisor
-from push_model.files.parameter_files import read_object, read_robot
+from push_model.files.parameter_files import named_file, read_object, read_robot
 from push_model.geometry import distance, wrap_angle
+from push_model.parameters import PushedObject
 from push_mujoco.appearance import looks_of
 from push_mujoco.camera import SimulatedCamera
 from push_mujoco.engine_plant import engine_plant
 from push_mujoco.simulated_robot import read_simulated_robot
 from push_mujoco.tags import tag_eye, tag_pictures
 from push_scenario.definition.expected_poses import with_sensors
+from push_scenario.definition.loader import with_map
 from push_scenario.definition.placement import Placement
 from push_scenario.definition.scenario import GoalBounds, Scenario, Start
 from push_scenario.definition.task import Task
 from push_scenario.simulation.loop import simulate
 from push_scenario.simulation.result import Outcome
 from push_sim_node.camera import CameraSettings
+from push_sim_node.lidar import LidarSensorSettings
 from push_sim_node.sensors import SensorSettings
 from push_sim_node.settings import SimulationSettings
 from push_tags.tag_layout import read_tag_layout
 
-OBJECT, ROBOT = 'box_04', 'turtlebot4'
+ROBOT = 'turtlebot4'
+# Mass of a carton that the wheels push [kg]; chosen: 14 N, of the 20 N that they have (``python -m
+# benchmarks.plant.pushing_force``).
+CARTON_MASS = 4.0
+# Two rooms and a door of 1.4 m, and where object, robot and goal are in it: least and greatest x
+# and y [m]; chosen: the object starts in one room, and its goal is in the other.
+MAP = 'two_rooms'
+OBJECT_AREA, ROBOT_AREA = ((-1.1, -0.6), (-0.5, 0.9)), ((-2.1, -1.7), (-1.3, 1.3))
+GOAL_AREA = (0.6, 1.1), (-0.5, 0.9)
+# Rate of the lidar by which the robot with a camera knows its place in rooms [Hz]; as that of a
+# TurtleBot 4.
+SCAN_RATE = 8.0
+# Simulated time for a task [s]; chosen.
+TIME_LIMITS: dict['Place', float] = {'floor': 180.0, 'door': 300.0}
 # Where goals are [m, rad], and how far the robot is from the object at first [m]; chosen: a room.
 GOAL_REACH, GOAL_TURN = (0.3, 0.8), math.pi / 2
 ROBOT_DISTANCE = 0.7, 1.2
@@ -41,6 +57,25 @@ NEAREST = 0.27
 # Noise of poses that the controller expects: growth with the distance [m/m, rad/m], measured by
 # ``tag_errors``.
 NOISE_PER_DISTANCE, HEADING_NOISE_PER_DISTANCE = 0.004, 0.009
+
+
+# Open floor, or from one room through a door into another one.
+Place = Literal['floor', 'door']
+
+
+class Kind(NamedTuple):
+    """
+    Kind of a task.
+
+    :param object: name of the object, and of its tags.
+    :param place: open floor, or two rooms and a door.
+    """
+
+    object: str
+    place: Place
+
+
+KINDS = tuple(Kind(name, place) for place in get_args(Place) for name in ('box_04', 'carton'))
 
 
 class Tolerance(NamedTuple):
@@ -101,43 +136,78 @@ def camera_of(view: View) -> SimulatedCamera:
     return ROOM_LENS if view == 'room' else read_simulated_robot(ROBOT).camera
 
 
+def kind_of(seed: int) -> Kind:
+    """
+    Return the kind of a task: each follows the one before.
+
+    :param seed: of the case.
+    """
+    return KINDS[seed % len(KINDS)]
+
+
 def draw_scenario(view: View, seed: int) -> Scenario:
     """
     Draw a task.
 
     :param view: one of ``VIEWS``.
-    :param seed: of the draw, and of all errors.
+    :param seed: of the kind, the draw, and of all errors.
     """
-    rng = np.random.default_rng(seed)
-    obj = read_object(OBJECT)
+    rng, kind = np.random.default_rng(seed), kind_of(seed)
+    obj = _read_object(kind.object)
     ratios = rng.uniform(*FRICTION_RATIOS, len(obj.supports))
     supports = tuple(dataclasses.replace(
         support, friction_coefficient=support.friction_coefficient * float(ratio))
         for support, ratio in zip(obj.supports, ratios))
-    reach, bearing = rng.uniform(*GOAL_REACH), rng.uniform(-math.pi, math.pi)
-    away, side = rng.uniform(*ROBOT_DISTANCE), rng.uniform(-math.pi, math.pi)
-    robot, tolerance = read_robot('create3'), TOLERANCES[view]
+    start, goal = (_draw_on_floor if kind.place == 'floor' else _draw_in_rooms)(rng)
+    robot, tolerance, asked = read_robot('create3'), TOLERANCES[view], ASKED_RATIOS[view]
+    task = Task(
+        supervision=SupervisionSettings(position_tolerance=asked * tolerance.position,
+                                        heading_tolerance=asked * tolerance.heading))
     scenario = Scenario(
         name=f'{view}_{seed}', description='', object=obj,
         true_object=dataclasses.replace(obj, supports=supports), robot=robot, true_robot=robot,
-        start=Start(robot=Placement(away * math.cos(side), away * math.sin(side),
-                                    float(rng.uniform(-math.pi, math.pi)))),
-        goal=Placement(float(reach * math.cos(bearing)), float(reach * math.sin(bearing)),
-                       float(rng.uniform(-GOAL_TURN, GOAL_TURN))),
-        simulation=SimulationSettings(seed=seed), task=Task(), time_limit=180.0,
-        bounds=GoalBounds(*tolerance))
-    asked = ASKED_RATIOS[view]
-    supervision = SupervisionSettings(position_tolerance=asked * tolerance.position,
-                                      heading_tolerance=asked * tolerance.heading)
-    return with_sensors(dataclasses.replace(scenario, task=Task(supervision=supervision)),
-                        sensors_of(view))
+        start=start, goal=goal, simulation=SimulationSettings(seed=seed), task=task,
+        time_limit=TIME_LIMITS[kind.place], bounds=GoalBounds(*tolerance))
+    if kind.place == 'door':
+        scenario = with_map(scenario, named_file('maps', MAP))
+    return with_sensors(scenario, sensors_of(view, kind.place))
 
 
-def sensors_of(view: View) -> SensorSettings:
+def _read_object(name: str) -> PushedObject:
+    """Read an object; a carton is as light as the robot can push it."""
+    obj = read_object(name)
+    if name != 'carton':
+        return obj
+    return dataclasses.replace(obj, mass=CARTON_MASS, inertia=obj.inertia * CARTON_MASS / obj.mass)
+
+
+def _draw_on_floor(rng: np.random.Generator) -> tuple[Start, Placement]:
+    """Draw start and goal on open floor, the object in the middle."""
+    reach, bearing = rng.uniform(*GOAL_REACH), rng.uniform(-math.pi, math.pi)
+    away, side = rng.uniform(*ROBOT_DISTANCE), rng.uniform(-math.pi, math.pi)
+    robot = Placement(away * math.cos(side), away * math.sin(side),
+                      float(rng.uniform(-math.pi, math.pi)))
+    return Start(robot=robot), Placement(
+        float(reach * math.cos(bearing)), float(reach * math.sin(bearing)),
+        float(rng.uniform(-GOAL_TURN, GOAL_TURN)))
+
+
+def _draw_in_rooms(rng: np.random.Generator) -> tuple[Start, Placement]:
+    """Draw start and goal on both sides of the door."""
+    obj, robot, goal = (
+        Placement(float(rng.uniform(*x_range)), float(rng.uniform(*y_range)),
+                  float(rng.uniform(-turn, turn)))
+        for (x_range, y_range), turn in ((OBJECT_AREA, math.pi), (ROBOT_AREA, math.pi),
+                                         (GOAL_AREA, math.pi)))
+    return Start(object=obj, robot=robot), goal
+
+
+def sensors_of(view: View, place: Place) -> SensorSettings:
     """
     Return what the controller expects of a camera; its pixels decide what it gets.
 
     :param view: one of ``VIEWS``.
+    :param place: in rooms a robot whose place is not known has a lidar.
     """
     camera = camera_of(view)
     is_fixed = camera.place == 'room'
@@ -146,9 +216,11 @@ def sensors_of(view: View) -> SensorSettings:
         mount_y=camera.y, mount_heading=camera.heading, half_angle=camera.view_angle / 2,
         nearest=0.0 if is_fixed else NEAREST, noise_per_distance=NOISE_PER_DISTANCE,
         heading_noise_per_distance=HEADING_NOISE_PER_DISTANCE)
+    has_lidar = view == 'robot' and place == 'door'
     # The wheels slip, and their ticks are all that there is of the way that the robot goes.
     return SensorSettings(pose_rate=RATE, pose_latency=LATENCY, pose_noise=0.001,
                           pose_heading_noise=0.003, camera=camera_settings,
+                          lidar=LidarSensorSettings(rate=SCAN_RATE if has_lidar else 0.0),
                           odometry_reference='absolute' if view == 'located_robot' else 'drifting')
 
 
@@ -159,7 +231,7 @@ def run_task(view: View, seed: int) -> Ending:
     :param view: one of ``VIEWS``.
     :param seed: of the case.
     """
-    scenario, layout = draw_scenario(view, seed), read_tag_layout(OBJECT)
+    scenario, layout = draw_scenario(view, seed), read_tag_layout(kind_of(seed).object)
     poses = [scenario.start.object.pose]
 
     def look(simulation, _: Supervisor) -> None:

@@ -1,4 +1,4 @@
-"""The simulator in MuJoCo: images and the bumper beside what the own one publishes."""
+"""The simulator in MuJoCo: images beside what the own one publishes."""
 
 from typing import Callable
 
@@ -16,22 +16,18 @@ from push_ros.node import RateLimiter
 from push_sim_node.ros.simulator import SECTIONS as SIM_SECTIONS, Simulator
 from push_sim_node.settings import SimulationSettings
 from push_sim_node.simulation import Measurement
-from std_msgs.msg import Bool, Header
+from std_msgs.msg import Header
 
 SECTIONS = (*SIM_SECTIONS, ('mujoco.', MujocoSettings))
-# Rate of the bumper in simulated time [Hz], as that of odometry of such bases.
-BUMPER_RATE = 20.0
 # Number of the random stream of the pixels, beside those of a spawned seed.
 PIXEL_STREAM = 3
 
 
 class EngineSimulator(Simulator):
-    """A ``Simulator`` that MuJoCo moves, with camera and bumper."""
+    """A ``Simulator`` that MuJoCo moves, with a camera."""
 
     def __init__(self) -> None:
         super().__init__(SECTIONS)
-        self._bumper = self.publisher('bumper')
-        self._bumper_limiter = RateLimiter(BUMPER_RATE)
         self._renderer: Renderer | None = None
         if self._mujoco.image_rate > 0.0:
             self._image = self.publisher('image_raw')
@@ -61,14 +57,13 @@ class EngineSimulator(Simulator):
         return self._mujoco.publish_object_pose or not isinstance(measurement, ObjectPose)
 
     def on_measured(self, measurement: Measurement) -> None:
-        """Publish image and bumper with the odometry at whose time they are due."""
+        """Publish an image, too, with the odometry at whose time it is due."""
+        super().on_measured(measurement)
         if not isinstance(measurement, Odometry):
             return
         plant = self.simulation.plant
         if not isinstance(plant, EnginePlant):
             raise TypeError(f'plant: got {plant!r}, expected one in MuJoCo')
-        if self._bumper_limiter.due(measurement.time):
-            self._bumper.publish(Bool(data=plant.engine.is_bumper_pressed))
         if self._mujoco.image_rate > 0.0 and self._image_limiter.due(measurement.time):
             self._publish_image(plant)
 

@@ -1,4 +1,4 @@
-"""Images and the switch of the bumper as messages."""
+"""Images as messages."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -65,12 +65,15 @@ def run_over_dds(scenario: Scenario, control_law: str | None = None, out_dir: st
     :param stamped: whether commands are ``TwistStamped``, else ``Twist``.
     :param on_start: called with the ``NodeProcesses`` when time starts to run.
     :param nodes: by name, those that take part besides, or in place of one of the three.
-    :raises ValueError: where there is no such law.
+    :raises ValueError: where there is no such law, or an engine without a simulator in ``nodes``.
     :raises RuntimeError: where a node dies or hangs, naming it; no process is left in any case.
     """
     if control_law is not None:
         scenario = scenario.with_law(control_law)
     check_own_law(scenario.control)
+    if scenario.engine != 'own' and SIM not in nodes:
+        raise ValueError(f'{scenario.name}: engine: got {scenario.engine!r}, expected own over '
+                         'DDS, or a simulator in nodes')
     scenario = place_robot(scenario)
     law = scenario.control.control_law
     run_name = f'{scenario.name}_{law_file_name(law)}'

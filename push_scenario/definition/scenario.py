@@ -11,6 +11,7 @@ from push_model.geometry import Pose
 from push_model.parameters import Contact, PushedObject, RoundRobot
 from push_model.quantity import check, quantity
 from push_planner.settings import PlannerSettings
+from push_scenario.definition.engine_names import ENGINES
 from push_scenario.definition.placement import Placement
 from push_scenario.definition.task import Task
 from push_sim_node.sensors import SensorSettings
@@ -124,6 +125,7 @@ class Scenario:
     bounds: GoalBounds = dataclasses.field(default_factory=GoalBounds)
     time_limit: float = quantity('simulated time after which the run is given up', 's', above=0.0,
                                  high=3600.0, default=120.0)
+    engine: str = quantity('what moves robot and object', choices=ENGINES, default='own')
     expected: str = quantity('how the run should end', choices=EXPECTATIONS, default='reached')
 
     def __post_init__(self) -> None:

@@ -23,6 +23,7 @@ from push_planner.task_planner import plan_for_request, PushPlanner
 from push_safety.layer import SafetyLayer
 from push_safety.protective_field import ProtectiveField
 from push_scenario.definition.scenario import Scenario
+from push_scenario.simulation.engines import plant_type_of
 from push_scenario.simulation.result import Outcome, RunResult
 from push_scenario.simulation.robot_control import Ending, make_robot_control, RobotControl
 from push_scenario.simulation.start import place_robot
@@ -62,7 +63,7 @@ def simulate(scenario: Scenario, law: str | type[SteeringLaw] | None = None, *,
              seed: int | None = None, progress: ProgressCallback | None = None,
              intervene: Intervention | None = None, planning_time: float | None = None,
              plan_push: PushPlanner = plan_for_request,
-             plant_type: Callable[..., Plant] = Plant) -> RunResult:
+             plant_type: Callable[..., Plant] | None = None) -> RunResult:
     """
     Simulate a scenario: one push, or as many as its task takes.
 
@@ -74,7 +75,7 @@ def simulate(scenario: Scenario, law: str | type[SteeringLaw] | None = None, *,
     :param planning_time: in a task, simulated time from a plan request to its answer [s]; None for
         what that usually takes. A single push is planned before time starts to run.
     :param plan_push: the ``PushPlanner`` that answers the plan requests of a task.
-    :param plant_type: as of ``Simulation``.
+    :param plant_type: as of ``Simulation``; None for that of the scenario's engine.
     :raises ValueError: where there is no such law, a single push has a planner of one's own, or
         there is no site for the robot to start from.
     """
@@ -148,15 +149,16 @@ def make_safety_layer(scenario: Scenario) -> SafetyLayer:
                        standstill_limit=scenario.control.standstill_limit)
 
 
-def make_simulation(scenario: Scenario, plant_type: Callable[..., Plant] = Plant) -> Simulation:
+def make_simulation(scenario: Scenario,
+                    plant_type: Callable[..., Plant] | None = None) -> Simulation:
     """
     Make the plant of a scenario, at time 0.
 
-    :param plant_type: as of ``Simulation``.
+    :param plant_type: as of ``simulate``.
     """
     return Simulation(scenario.true_object, scenario.true_robot, scenario.start.object.pose,
                       scenario.robot_start, scenario.plant_settings, scenario.sensors,
-                      plant_type=plant_type)
+                      plant_type=plant_type or plant_type_of(scenario))
 
 
 def make_localizer(scenario: Scenario) -> LidarLocalizer | None:

@@ -17,9 +17,9 @@ def test_an_object_is_detected_within_what_the_detector_states(view) -> None:
     skip_without_graphics()
     from push_mujoco.rendering import render_camera, TaggedScene
     camera = cases.camera_of(view)
-    layout = cases.read_tag_layout(cases.OBJECT)
+    layout = cases.read_tag_layout('box_04')
     detect = cases.tag_eye(camera, layout).detect
-    scene = TaggedScene(cases.read_simulated_robot(cases.ROBOT), cases.read_object(cases.OBJECT),
+    scene = TaggedScene(cases.read_simulated_robot(cases.ROBOT), cases.read_object('box_04'),
                         cases.tag_pictures(layout))
     rng = np.random.default_rng(3)
     for heading in (0.4, -2.0):
@@ -47,6 +47,8 @@ def test_drawn_tasks_differ_by_their_seed_alone() -> None:
     assert first == again
     assert first.goal != other.goal
     assert first.sensors.camera.place == 'room'
+    places = [cases.draw_scenario('robot', seed).task.map is None for seed in range(4)]
+    assert places == [kind.place == 'floor' for kind in cases.KINDS]
 
 
 def test_records_are_read_as_they_were_written(tmp_path) -> None:
@@ -54,10 +56,11 @@ def test_records_are_read_as_they_were_written(tmp_path) -> None:
     benchmark = import_extra('mujoco', 'mujoco', 'benchmarks.pixels.__main__')
     path = tmp_path / 'records.jsonl'
     assert benchmark.read_records(path) == []
-    lines = ('{"view": "room", "seed": 0, "outcome": "DONE", "reason": "", "time": 20.0, '
-             '"position_error": %s, "heading_error": 0.0}\n' % error for error in (0.004, 0.012))
+    lines = ('{"view": "room", "seed": %s, "outcome": "DONE", "reason": "", "time": 20.0, '
+             '"position_error": %s, "heading_error": 0.0}\n' % item
+             for item in ((0, 0.004), (4, 0.012)))
     path.write_text(''.join(lines))
     endings = benchmark.read_records(path)
     assert [ending.is_within for ending in endings] == [True, False]
-    assert '| 1 of 2 | 1 | 8.0, 12.0 mm | 20 s |' in benchmark.row('room', endings)
-    assert benchmark.run_tasks(0, path) == endings
+    assert '| 1 of 2 | 1 | 8.0, 12.0 mm | 20 s |' in benchmark.rows(endings)[0]
+    assert benchmark.run_tasks(0, path, 1) == endings

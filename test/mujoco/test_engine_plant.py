@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import sys
 from typing import Any
 
 from helpers.extras import import_extra
@@ -13,6 +14,8 @@ from push_model.parameters import PushedObject
 from push_model.signals import LidarScan, STOP, Twist
 from push_mujoco.simulated_robot import read_simulated_robot
 from push_scenario import cli
+from push_scenario.definition.loader import load_scenario, scenario_from_text, scenario_text
+from push_scenario.simulation.loop import make_simulation
 from push_sim_node.lidar import LidarSensorSettings
 from push_sim_node.plant import Plant
 from push_sim_node.sensors import SensorSettings
@@ -20,7 +23,8 @@ from push_sim_node.settings import SimulationSettings
 from push_sim_node.simulation import Simulation
 import pytest
 
-engine_plant = import_extra('mujoco', 'mujoco', 'push_mujoco.engine_plant').engine_plant
+ENGINE = import_extra('mujoco', 'mujoco', 'push_mujoco.engine_plant')
+engine_plant = ENGINE.engine_plant
 pytestmark = pytest.mark.physics
 BOX, CREATE = read_object('box_04'), read_robot('create3')
 HOLONOMIC = read_robot('holonomic_017')
@@ -119,11 +123,11 @@ def test_a_gyro_knows_the_heading_of_wheels_that_slip() -> None:
 def test_the_bumper_closes_while_it_pushes() -> None:
     plant = engine_plant()(BOX, CREATE, Pose(0.4, 0.0, 0.0), Pose(0.0, 0.0, 0.0))
     plant.advance(0.1, STOP)
-    assert not plant.engine.is_bumper_pressed
+    assert not plant.is_bumper_pressed(1.5, 0.1)
     plant.advance(1.0, Twist(0.2, 0.0, 0.0))
-    assert plant.engine.is_bumper_pressed
+    assert plant.is_bumper_pressed(1.5, 1.1)
     plant.advance(1.0, Twist(-0.2, 0.0, 0.0))
-    assert not plant.engine.is_bumper_pressed
+    assert not plant.is_bumper_pressed(1.5, 0.1)
 
 
 def test_more_friction_of_a_foot_takes_more_force() -> None:
@@ -148,6 +152,18 @@ def test_what_it_cannot_do_is_refused() -> None:
         engine_plant(TURTLEBOT_4)(BOX, HOLONOMIC, *start)
     with pytest.raises(ValueError, match='robot.radius'):
         engine_plant()(BOX, dataclasses.replace(CREATE, radius=0.0), *start)
+
+
+def test_a_scenario_says_which_engine_moves_it(monkeypatch) -> None:
+    """And, where that is not installed, what to install."""
+    scenario = dataclasses.replace(load_scenario('task_own_camera'), engine='mujoco')
+    assert scenario_from_text(scenario_text(scenario), scenario.name) == scenario
+    assert isinstance(make_simulation(scenario).plant, ENGINE.EnginePlant)
+    for name in [name for name in sys.modules if name.startswith('push_mujoco')]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, 'mujoco', None)
+    with pytest.raises(RuntimeError, match=r'engine: got .mujoco.*push_control\[mujoco\]'):
+        make_simulation(scenario)
 
 
 @pytest.mark.slow

@@ -17,6 +17,7 @@ CAMERA = SimulatedCamera(width=64, height=48)
 PARAMETERS = {**to_parameter_values(read_object('box_04'), 'object.'),
               **to_parameter_values(read_robot('create3'), 'robot.'),
               'object_start': [0.45, 0.0, 0.0], 'autostart': True, 'publish_clock': True,
+              'sensors.bumper_force': 1.5,
               'mujoco.image_width': 64, 'mujoco.image_height': 48,
               'mujoco.publish_object_pose': False}
 
