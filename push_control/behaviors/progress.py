@@ -9,7 +9,7 @@ from push_control.events import no_plan, TaskEvent
 from push_control.goal import TaskFailure
 from push_control.perception.object_at_rest import has_moved, ObjectAtRest
 from push_control.supervision_settings import (
-    BIASED_SIGMAS, LIKELY_SIGMAS, SupervisionSettings)
+    BIASED_SIGMAS, LIKELY_SIGMAS, MIN_AIM, SupervisionSettings)
 from push_model.events import AnyReport, Report
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.plan_request import GoalTolerances, PlanFailure, PlanRequest
@@ -366,8 +366,8 @@ class ProgressMonitor:
         sigmas = settings.required_sigmas
         if object_at_rest.is_biased:
             sigmas = min(BIASED_SIGMAS, sigmas)
-        position_margin = sigmas * object_at_rest.position_error
-        heading_margin = sigmas * object_at_rest.heading_error
+        position_std, heading_std = _goal_errors(object_at_rest)
+        position_margin, heading_margin = sigmas * position_std, sigmas * heading_std
         if (position_error <= settings.position_tolerance - position_margin
                 and heading_error <= settings.heading_tolerance - heading_margin):
             return GoalCheck.REACHED
@@ -392,6 +392,11 @@ class ProgressMonitor:
             return (position_error <= MAP_AIM * settings.position_tolerance
                     and heading_error <= MAP_AIM * settings.heading_tolerance)
         sigmas = min(LIKELY_SIGMAS, settings.required_sigmas)
+        if object_at_rest.has_common_errors and not object_at_rest.is_biased:
+            position_std, heading_std = _goal_errors(object_at_rest)
+            return (position_error <= _reduced(settings.position_tolerance, sigmas * position_std)
+                    and heading_error <= _reduced(settings.heading_tolerance,
+                                                  sigmas * heading_std))
         return (settings.has_limited_view and not object_at_rest.is_biased
                 and position_error
                 <= settings.position_tolerance - sigmas * object_at_rest.position_error
@@ -508,3 +513,14 @@ def _is_at_end(plan: PushTrajectory, pose: Pose) -> bool:
 def _rounded_up(value: float) -> float:
     """Round a value to a tenth, no less than it is."""
     return math.ceil(10.0 * value) / 10.0 if math.isfinite(value) else value
+
+
+def _goal_errors(object_at_rest: ObjectAtRest) -> tuple[float, float]:
+    """Return the standard deviations of an object in the frame of its goal, [m] and [rad]."""
+    return (math.hypot(object_at_rest.position_error, object_at_rest.common_position_error),
+            math.hypot(object_at_rest.heading_error, object_at_rest.common_heading_error))
+
+
+def _reduced(tolerance: float, margin: float) -> float:
+    """Reduce a tolerance by a margin, but to no less than pushes aim at."""
+    return max(MIN_AIM * tolerance, tolerance - margin)

@@ -29,6 +29,10 @@ MAX_OUTLIER_RATIO = 1.0 / 3.0
 # deviations these differ less from one to the next than independent ones; chosen: none of ten
 # thousand averages of independent errors.
 MIN_CORRELATED, CORRELATED_SIGMAS = 20, 4.0
+# Poses from which on it is told whether their stated errors differ from pose to pose, and the part
+# of their variance below which these mostly do not; chosen: independent errors of ten poses vary
+# less in one average of a hundred.
+MIN_COMMON, COMMON_RATIO = 6, 0.3
 # Motion of an object at rest that shows a push too short to be seen at once, in standard errors;
 # chosen.
 PUSHED_SIGMAS = 3.0
@@ -49,6 +53,9 @@ class ObjectAtRest(NamedTuple):
         reduce.
     :param is_in_map: whether these are mostly errors of the robot's place in a map, which
         further poses do not reduce.
+    :param common_position_error: standard deviation of errors along each axis that all poses have
+        alike, as those of a camera that is mounted amiss [m].
+    :param common_heading_error: the same of the heading [rad].
     """
 
     pose: Pose
@@ -57,6 +64,13 @@ class ObjectAtRest(NamedTuple):
     heading_error: float
     is_biased: bool = False
     is_in_map: bool = False
+    common_position_error: float = 0.0
+    common_heading_error: float = 0.0
+
+    @property
+    def has_common_errors(self) -> bool:
+        """Tell whether further poses reduce only a part of the errors."""
+        return self.common_position_error > 0.0 or self.common_heading_error > 0.0
 
 
 class _Sample(NamedTuple):
@@ -192,7 +206,15 @@ class StationarityWindow:
         return ObjectAtRest(
             Pose(total.x / count, total.y / count,
                  wrap_angle(self._first_heading + total.rotation / count)),
-            self._samples[-1].time - self._at_rest_since, *self._errors(total, count))
+            self._samples[-1].time - self._at_rest_since, *self._errors(total, count))._replace(
+                **self._common_errors())
+
+    def _common_errors(self) -> dict[str, float]:
+        """Return the errors that poses which state their covariance have alike, by field."""
+        if self._latest[-1].covariance is None:
+            return {}
+        position, heading = _common_errors(self._samples)
+        return {'common_position_error': position, 'common_heading_error': heading}
 
     def _errors(self, total: _Sample, count: int) -> tuple[float, float]:
         """Compute the standard errors of position [m] and heading [rad] of an average."""
@@ -226,6 +248,27 @@ def _correlation_growth(samples: Collection[_Sample]) -> tuple[float, float]:
     # An average is no worse than one of its poses.
     x, y, heading = np.sqrt(np.clip(variances / stated, 1.0, count)).tolist()
     return max(x, y), heading
+
+
+def _common_errors(samples: Collection[_Sample]) -> tuple[float, float]:
+    """
+    Estimate the standard deviations of errors that all poses have alike, [m] and [rad].
+
+    Errors that differ from pose to pose by less than is stated are mostly the same in each.
+    """
+    values = np.array(samples)
+    position_variance, heading_variance = values[:, 4:6].mean(axis=0).tolist()
+    if len(samples) < MIN_COMMON:
+        return math.sqrt(position_variance), math.sqrt(heading_variance)
+    # Steps have twice the variance of independent errors.
+    x, y, heading = (0.5 * (np.diff(values[:, 1:4], axis=0) ** 2).mean(axis=0)).tolist()
+    return (_common_error(position_variance, 0.5 * (x + y)),
+            _common_error(heading_variance, heading))
+
+
+def _common_error(stated: float, independent: float) -> float:
+    """Return what a stated variance holds beyond an independent one, as standard deviation."""
+    return math.sqrt(stated - independent) if independent < COMMON_RATIO * stated else 0.0
 
 
 def has_moved(before: Pose, pose: Pose, settings: SupervisionSettings,

@@ -63,6 +63,18 @@ def test_a_task_seen_now_and_then_is_done_where_it_is_by_all_odds(is_averaged, l
         assert is_averaged == (check is not GoalCheck.UNCERTAIN) or check is GoalCheck.REACHED
 
 
+def test_errors_that_all_poses_have_alike_count_however_long_they_are_averaged() -> None:
+    """As those of a camera that is mounted amiss; yet half the tolerance is always enough."""
+    tolerance = SUPERVISION.position_tolerance
+    monitor = ProgressMonitor(SUPERVISION, AIM)
+    for common, part, expected in ((0.15, 0.6, GoalCheck.REACHED), (0.15, 0.7, GoalCheck.MISSED),
+                                   (0.0, 0.7, GoalCheck.REACHED), (2.0, 0.45, GoalCheck.REACHED),
+                                   (2.0, 0.55, GoalCheck.MISSED)):
+        averaged = beside_goal(part * tolerance)._replace(
+            duration=SUPERVISION.max_averaging_time, common_position_error=common * tolerance)
+        assert monitor.check_goal(averaged, GOAL) is expected
+
+
 def test_noise_is_averaged_for_as_long_as_it_asks_for():
     """Longer than usual, but neither than the limit nor than until more would tell little."""
     noisy = AT_GOAL._replace(duration=SUPERVISION.max_averaging_time,

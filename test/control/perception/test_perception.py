@@ -59,6 +59,26 @@ def test_noise_of_the_heading_is_averaged_until_it_is_a_part_of_the_tolerance():
     assert abs(found.pose.theta) < 4.0 * found.heading_error
 
 
+@pytest.mark.parametrize('common_part', [0.0, 0.9, 1.0])
+def test_what_poses_state_and_do_not_show_is_an_error_that_all_have_alike(common_part) -> None:
+    """As of a camera that is mounted amiss; poses without a covariance of their own have none."""
+    stated = PoseCovariance.from_deviations(CONTROL.pose_noise, CONTROL.heading_noise)
+    scatter, common = math.sqrt(1.0 - common_part ** 2), common_part * CONTROL.pose_noise
+    errors: list[float] = []
+    for seed in range(100):
+        windows = StationarityWindow(CONTROL, SUPERVISION), StationarityWindow(CONTROL,
+                                                                               SUPERVISION)
+        for measured in noisy(np.random.default_rng(seed), ORIGIN, 20):
+            pose = ObjectPose(measured.time, Pose(*(scatter * part for part in measured.pose)))
+            windows[0].add(pose._replace(covariance=stated))
+            windows[1].add(pose)
+        with_covariance, without = (window.object_at_rest for window in windows)
+        assert not without.has_common_errors
+        errors.append(with_covariance.common_position_error)
+    assert np.median(errors) == pytest.approx(common, rel=0.05)
+    assert np.percentile(errors, 95.0) < common + 0.05 * CONTROL.pose_noise
+
+
 @pytest.mark.parametrize('correlation', [0.6, 0.9])
 def test_correlated_errors_of_poses_are_averaged_for_longer(correlation):
     """The average of a tracker that filters its poses is about as uncertain as it says."""
