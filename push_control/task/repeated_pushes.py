@@ -1,8 +1,10 @@
 """Repeated pushes: the behaviours of a task that takes as many pushes as it needs."""
 
+import contextlib
 import dataclasses
 import math
 
+import numpy as np
 from push_control.behaviors.approach import MovingApproach, StandoffApproach
 from push_control.behaviors.behavior import Behavior, BehaviorContext, Stand
 from push_control.behaviors.guarded_approach import GuardedApproach
@@ -28,6 +30,9 @@ from push_model.observation import Observation
 from push_model.parameters import PushedObject, RoundRobot
 from push_model.signals import ObjectPose, Odometry, STOP
 from push_model.trajectory import PushStyle, PushTrajectory
+from push_navigation.occupancy_map import OccupancyMap
+from push_navigation.path import NoPathFound
+from push_navigation.path_planner import plan_path
 from push_navigation.settings import DriveSettings
 from push_primitives.cost_settings import CostSettings
 from push_primitives.simplification import simplified_object
@@ -51,6 +56,10 @@ ANY_ERROR = 1.0
 REHEARSAL_PERIOD = 0.05
 REHEARSAL_ROBOT = Pose(0.0, 0.0, 0.0)
 REHEARSAL_OBJECT = Pose(3.0, 0.0, 0.0)
+# Its map: resolution and corner [m], rows and columns, and where a wall is between robot and goal.
+REHEARSAL_GOAL = Pose(2.0, 0.0, 0.0)
+MAP_RESOLUTION, MAP_CORNER, MAP_SHAPE = 0.1, Pose(-3.0, -3.0, 0.0), (60, 100)
+WALL_ROWS, WALL_COLUMN = slice(28, 32), 40
 
 
 class RepeatedPushBehaviors(BehaviorFactory):
@@ -102,12 +111,16 @@ class RepeatedPushBehaviors(BehaviorFactory):
         return Stand()
 
     def rehearse(self) -> None:
-        """Localize a robot that stands far off the object, and weigh one straight push."""
+        """Localize a robot far off the object, weigh one straight push, and go round a wall."""
         perception = self.new_perception(-math.inf)
         for time in (0.0, REHEARSAL_PERIOD):
             perception.update(Observation(time, Odometry(time, REHEARSAL_ROBOT, STOP),
                                           ObjectPose(time, REHEARSAL_OBJECT)))
         warm_up(self._load_primitives(perception), perception.localization)
+        # The first map may come while the robot drives, and what it needs takes long to import.
+        with contextlib.suppress(NoPathFound):
+            plan_path(self._robot, self._obj, REHEARSAL_OBJECT, REHEARSAL_ROBOT, REHEARSAL_GOAL,
+                      self._drive, occupancy_map=_rehearsal_map())
 
     def inspection(self, perception: TaskPerception) -> Behavior[TaskPerception]:
         """Make the behaviour that sees the object from another side."""
@@ -202,3 +215,10 @@ def _for_task(control: ControlSettings) -> ControlSettings:
         lateral_gain=min(100.0, GAIN_FACTOR ** 2 * control.lateral_gain),
         heading_gain=min(50.0, GAIN_FACTOR * control.heading_gain),
         max_curvature_rate=min(1000.0, GAIN_FACTOR ** 2 * control.max_curvature_rate))
+
+
+def _rehearsal_map() -> OccupancyMap:
+    """Make a small map with a wall between robot and goal."""
+    cells = np.zeros(MAP_SHAPE, bool)
+    cells[WALL_ROWS, WALL_COLUMN] = True
+    return OccupancyMap(MAP_RESOLUTION, MAP_CORNER, cells)

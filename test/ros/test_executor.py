@@ -7,10 +7,12 @@ import signal
 import subprocess
 import sys
 import time
+from typing import Any
 
 from helpers.architecture import ROOT
 from push_ros.executor import (
-    await_answer, BAD_PARAMETER, ENDING_TIME, INTERRUPT_DELAY, MessageWaiter, run, take_message,
+    _run_background, await_answer, BackgroundGroup, BAD_PARAMETER, ENDING_TIME, INTERRUPT_DELAY,
+    MessageWaiter, run, take_message,
 )
 from push_ros.qos import LATCHED
 from push_scenario.dds.private_network import private_domain
@@ -279,4 +281,25 @@ def test_an_answer_is_awaited_without_an_executor_for_a_time_at_most() -> None:
             executor.shutdown()
             server.destroy_node()
             asking.destroy_node()
+            rclpy.shutdown(context=context)
+
+
+def test_what_callbacks_leave_for_later_is_done_in_one_turn_of_the_background() -> None:
+    """An action leaves each of its answers so: else there were no more than one a turn."""
+    with private_domain() as domain:
+        context = Context()
+        rclpy.init(args=[], context=context, domain_id=domain)
+        node: Any = rclpy.create_node('leaves', context=context)
+        node.background = BackgroundGroup()
+        executor = SingleThreadedExecutor(context=context)
+        executor.add_node(node)
+        done: list[int] = []
+        try:
+            for index in range(5):
+                executor.create_task(done.append, index)
+            _run_background(node, executor)
+            assert sorted(done) == list(range(5))
+        finally:
+            executor.shutdown()
+            node.destroy_node()
             rclpy.shutdown(context=context)

@@ -19,13 +19,19 @@ from push_navigation.settings import DriveSettings
 import pytest
 
 # Rehearses and runs a scenario; prints how many versions of each function of the controller
-# machine code was made of, after either. Simulator and planner have kernels of their own.
+# machine code was made of, after either, and what a first map imports in between. Simulator and
+# planner have kernels of their own.
 PROGRAM = """
-import gc, json, sys
+import contextlib, gc, json, sys
+import numpy as np
 from push_control.supervision_settings import SupervisionSettings
 from push_control.task.repeated_pushes import RepeatedPushBehaviors
 from push_control.task.single_push import SinglePushBehaviors
 from push_dynamics.compiled import CompiledFunction
+from push_model.geometry import Pose
+from push_navigation.occupancy_map import OccupancyMap
+from push_navigation.path import NoPathFound
+from push_navigation.path_planner import plan_path
 from push_navigation.settings import DriveSettings
 from push_scenario.definition.loader import load_scenario
 from push_scenario.simulation.loop import simulate
@@ -39,9 +45,15 @@ scenario = load_scenario(sys.argv[1])
 factory = SinglePushBehaviors if scenario.task is None else RepeatedPushBehaviors
 factory(scenario.object, scenario.robot, scenario.control, DriveSettings(),
         SupervisionSettings()).rehearse()
-rehearsed = versions()
+rehearsed, modules = versions(), set(sys.modules)
+if scenario.task is not None:
+    room = OccupancyMap(0.1, Pose(-3.0, -3.0, 0.0), np.eye(60, dtype=bool))
+    with contextlib.suppress(NoPathFound):
+        plan_path(scenario.robot, scenario.object, Pose(1.5, -1.5, 0.0), Pose(0.0, -2.0, 0.0),
+                  Pose(0.0, 2.0, 0.0), DriveSettings(), occupancy_map=room)
+imported = sorted(set(sys.modules) - modules)
 result = simulate(scenario)
-print(json.dumps([result.outcome.value, rehearsed, versions()]))
+print(json.dumps([result.outcome.value, rehearsed, versions(), imported]))
 """
 OBJECTS = ('bin', 'box_04', 'carton', 'coffee_table')
 
@@ -54,10 +66,11 @@ def read(name, robot):
 @pytest.mark.skipif(not IS_COMPILED, reason='nothing is compiled')
 @pytest.mark.parametrize('scenario', ['corner_push_mismatch', 'holonomic_face', 'task_turn'])
 def test_a_push_compiles_nothing_after_a_rehearsal(scenario):
+    """Nor does a map that comes under way import anything: the robot would drive unattended."""
     output = subprocess.run([sys.executable, '-c', PROGRAM, scenario], check=True,
                             capture_output=True, text=True, timeout=600).stdout
-    outcome, rehearsed, after = json.loads(output)
-    assert outcome == 'done'
+    outcome, rehearsed, after, imported = json.loads(output)
+    assert outcome == 'done' and imported == []
     assert sum(rehearsed.values()) > 0
     assert {name: count for name, count in after.items() if count > rehearsed.get(name, 0)} == {}
 

@@ -194,3 +194,20 @@ def test_a_robot_whose_way_was_blocked_stands_until_a_person_lets_it_go_on(
     task.supervisor.hold(PASSED)
     task.supervisor.cancel(CANCELLED)
     assert task.supervisor.state is TaskState.IDLE
+
+
+def test_a_robot_that_was_lost_counts_its_attempts_from_its_first_touch() -> None:
+    """Those before were made elsewhere; a second touch excuses none, and the end names one."""
+    task, limit = StuckTask(), SupervisionSettings().max_attempts
+    task.drive_until(TaskState.APPROACH)
+    supervisor, touch = task.supervisor, BehaviorFailure.LOST_ROBOT_TOUCHES.report()
+    miss = BehaviorFailure.PATH_END_MISSED.report()
+    for failure in (*[miss] * (limit - 1), touch):
+        supervisor._recover(failure)
+    assert supervisor._progress.failure is None
+    task.drive_until(TaskState.APPROACH)
+    for failure in (touch, *[miss] * (limit - 1)):
+        supervisor._recover(failure)
+    task.drive_until(TaskState.FAILED)
+    assert supervisor.status.failure is TaskFailure.NO_PROGRESS
+    assert touch.code in supervisor.status.codes
