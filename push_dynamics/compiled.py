@@ -69,6 +69,10 @@ class CompiledFunction:
         functools.update_wrapper(self, function)
         self.py_func = function
 
+    def __reduce__(self) -> str:
+        """Pickle it by its name, as a function."""
+        return self.py_func.__qualname__
+
     @functools.cached_property
     def dispatcher(self) -> Any:
         """Numba's dispatcher for calls from Python."""

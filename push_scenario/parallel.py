@@ -136,6 +136,17 @@ def run_many(function: JobFunction, jobs: Iterable[Job], *, folder: str | Path |
     return [rows[digest] for digest in digests]
 
 
+def stored_jobs(function: JobFunction, jobs: Iterable[Job], folder: str | Path) -> list[Job]:
+    """
+    List the jobs whose rows are in a folder: ``run_many`` reads them, and runs nothing.
+
+    :param function: as ``run_many`` takes it, like the other parameters.
+    :raises ValueError: as ``run_many``.
+    """
+    jobs, rows = list(jobs), _read_rows(Path(folder))
+    return [job for job, digest in zip(jobs, job_digests(function, jobs)) if digest in rows]
+
+
 def progress_bar(title: str) -> Progress:
     """
     Show a bar on the terminal; needs tqdm (extra ``plot``).

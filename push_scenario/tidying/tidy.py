@@ -131,9 +131,9 @@ def tidy(room: Room, *, progress: Callable[[TidyProgress], None] | None = None,
     :param find_order: plans the order.
     :param after_move: called with each ``MoveResult``.
     """
-    supervisor = TidySupervisor([_goal_of(name, room) for name in room.scenarios],
+    supervisor = TidySupervisor([goal_of(name, room) for name in room.scenarios],
                                 room.any_scenario.robot, room.task.drive, find_order=find_order)
-    run = _TidyRun(room)
+    run, moves = RoomRun(room), list[MoveResult]()
     while True:
         move = supervisor.next_move(run.scene)
         now = TidyProgress(supervisor.plan, supervisor.placed_count, supervisor.goal_count,
@@ -141,15 +141,18 @@ def tidy(room: Room, *, progress: Callable[[TidyProgress], None] | None = None,
         if progress is not None:
             progress(now)
         if move is None:
-            return run.result(supervisor.failures())
+            return TidyResult(room, tuple(moves), run.poses, run.robot_pose,
+                              supervisor.failures())
         result = run.make(move, now, run_progress)
+        moves.append(result)
         is_done = result.run.outcome is Outcome.DONE
         supervisor.end_move(move, None if is_done else result.run.reason)
         if after_move is not None:
             after_move(result)
 
 
-def _goal_of(name: str, room: Room) -> ObjectGoal:
+def goal_of(name: str, room: Room) -> ObjectGoal:
+    """Return the ``ObjectGoal`` of an object of a room."""
     scenario = room.scenarios[name]
     bounds = scenario.bounds
     return ObjectGoal(
@@ -158,8 +161,12 @@ def _goal_of(name: str, room: Room) -> ObjectGoal:
                        bounds.heading_error if scenario.object.outline else ANY_HEADING))
 
 
-class _TidyRun:
-    """Objects of a room, and what has been done with them."""
+class RoomRun:
+    """
+    Objects of a room, and the robot among them; between two moves it can be pickled.
+
+    :param room: the ``Room``; where objects are to get to is said move by move.
+    """
 
     def __init__(self, room: Room) -> None:
         self._room = room
@@ -172,7 +179,16 @@ class _TidyRun:
         self._memory = RobotMemory(room.task.supervision)
         self._localizer = make_localizer(scenario)
         self._measured = self._measure()
-        self._moves: list[MoveResult] = []
+
+    @property
+    def poses(self) -> dict[str, Pose]:
+        """True ``Pose`` of each object, by name."""
+        return self._simulated.poses
+
+    @property
+    def robot_pose(self) -> Pose:
+        """True ``Pose`` of the robot."""
+        return self._simulated.robot_pose
 
     @property
     def scene(self) -> MeasuredScene:
@@ -183,8 +199,13 @@ class _TidyRun:
                              room.floor_map.read(room.task.map_reading))
 
     def make(self, move: Move, now: TidyProgress,
-             progress: ProgressCallback | None) -> MoveResult:
-        """Make a move, and measure where all are then."""
+             progress: ProgressCallback | None = None) -> MoveResult:
+        """
+        Make a move, and measure where all are then.
+
+        :param now: ``TidyProgress`` before it.
+        :param progress: called with the ``Progress`` of each measurement.
+        """
         before = self._simulated.poses
         scenario = self._scenario_of(move, before[move.name])
         self._simulated.turn_to(move.name)
@@ -200,7 +221,6 @@ class _TidyRun:
                         localizer=self._localizer)
         self._memory.keep(move.name, robot.supervisor, simulation.time)
         result = MoveResult(move, run, self._touched(scenario, run.tape, before), now)
-        self._moves.append(result)
         self._measured = self._measure()
         return result
 
@@ -223,15 +243,6 @@ class _TidyRun:
             elif gap < TOUCH_GAP:
                 touched[name] = gap
         return touched
-
-    def result(self, failures: dict[str, Report[ObjectFailure]]) -> TidyResult:
-        """
-        Sum up.
-
-        :param failures: why objects are not at their goals, by name.
-        """
-        return TidyResult(self._room, tuple(self._moves), self._simulated.poses,
-                          self._simulated.robot_pose, failures)
 
     def _measure(self) -> dict[str, Pose]:
         """Measure all objects at rest."""

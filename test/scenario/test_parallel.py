@@ -17,7 +17,7 @@ from helpers.many_jobs import (
 )
 from push_model.geometry import Pose
 from push_scenario import load_scenario, measure, simulate
-from push_scenario.parallel import job_digests, run_many, simulate_many
+from push_scenario.parallel import job_digests, run_many, simulate_many, stored_jobs
 import pytest
 
 pytestmark = pytest.mark.slow
@@ -114,6 +114,7 @@ def test_finished_jobs_are_not_run_again(tmp_path):
     log = tmp_path / 'log'
     function = partial(recorded, str(log))
     first = run_many(function, JOBS[:10], folder=tmp_path / 'rows', workers=1)
+    assert stored_jobs(function, JOBS, tmp_path / 'rows') == JOBS[:10]
     assert run_many(function, JOBS, folder=tmp_path / 'rows', workers=1)[:10] == first
     assert sorted(map(int, log.read_text().split())) == list(range(40))
     run_many(function, [{'n': 99, 'seed': 1}], folder=tmp_path / 'rows', workers=1)
