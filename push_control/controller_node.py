@@ -4,6 +4,7 @@ import sys
 from typing import Any, Mapping
 
 from push_control.ros.active_controller import ActiveController
+from push_control.ros.command_gate import TOPIC_OF
 from push_control.ros.parameters import (
     ControllerParameters, OBJECT_NAME, OBJECT_PREFIX, SECTIONS,
 )
@@ -37,11 +38,12 @@ class ControllerNode(ManagedNode):
     With ``task`` true it brings the object to ``goal_pose`` with as many pushes as that takes, and
     requests a plan for each.
 
-    The command is zero for a measurement that is refused (not finite, in a frame without a
-    transform to ``world_frame``) or stale, and where odometry stops for ``watchdog_timeout`` on
-    the node's clock. When the goal is reached or abandoned, at the end of the node and when it is
-    deactivated some zeros follow, then nothing is published. With ``lockstep`` every measurement
-    is answered, with its stamp, and in a task not until a requested plan is there.
+    The command is zero for a measurement that is refused (unreadable, not finite, in a frame
+    without a transform to ``world_frame``) or stale, and where odometry stops for
+    ``watchdog_timeout`` on the node's clock. When the goal is reached or abandoned, at the end of
+    the node and when it is deactivated some zeros follow, then nothing is published. With
+    ``lockstep`` every measurement is answered, with its stamp, and in a task not until a requested
+    plan is there.
 
     After ``controller/stop`` goals are refused until ``controller/start``.
 
@@ -193,6 +195,18 @@ class ControllerNode(ManagedNode):
     @property
     def _present_parameters(self) -> ControllerParameters:
         return ControllerParameters(*self.settings)
+
+    def on_unreadable(self, topic: str, reason: str) -> None:
+        """
+        Report a message that cannot be read, and stop the robot for a measurement.
+
+        :param topic: its topic in the list.
+        :param reason: one sentence.
+        """
+        if self.is_active and topic in TOPIC_OF.values():
+            self.controller.refuse_unreadable(reason)
+        else:
+            super().on_unreadable(topic, reason)
 
     def on_unexpected_error(self, error: Exception) -> None:
         """

@@ -282,8 +282,8 @@ class PushNode(PolledNode):
             try:
                 message = read(data)
             except RuntimeError as error:
-                self.reporter.report(ERROR, f'{topic}: got a message that cannot be read: '
-                                            + without_location(error))
+                self.on_unreadable(topic, f'{topic}: got a message that cannot be read: '
+                                          + without_location(error))
                 return
             callback(message)
         return receive
@@ -335,6 +335,15 @@ class PushNode(PolledNode):
                 has_message = True
                 subscription.callback(message)
         return has_message
+
+    def on_unreadable(self, topic: str, reason: str) -> None:
+        """
+        Report a message that cannot be read.
+
+        :param topic: its topic in the list.
+        :param reason: one sentence.
+        """
+        self.reporter.report(ERROR, reason)
 
     def on_unexpected_error(self, error: Exception) -> None:
         """

@@ -324,10 +324,22 @@ class ActiveController:
                 self._commands.answer(STOP, stamp, is_commanding=True)
             self._unanswered = []
 
+    def refuse_unreadable(self, reason: str) -> None:
+        """
+        Stop the robot for a measurement that cannot be read, as for one that is refused.
+
+        :param reason: one sentence.
+        """
+        self._commands.stop()
+        self._note_refusal(reason)
+
     def _refuse_measurement(self, error: MessageRefused, message: Any) -> None:
         """Stop the robot, which goes on with good measurements, and say why."""
-        self._refusal = PushEvent.MEASUREMENT_REFUSED.report(error=error)
         self._commands.answer(STOP, message.header.stamp, is_commanding=self._is_commanding)
+        self._note_refusal(error)
+
+    def _note_refusal(self, error: MessageRefused | str) -> None:
+        self._refusal = PushEvent.MEASUREMENT_REFUSED.report(error=error)
         self.pursuit.report_again()
         self._reporter.report(ERROR, f'{error}; stopped')
 

@@ -1,5 +1,6 @@
 """A single push under way: the controller's node, with a robot that is played here."""
 
+from collections.abc import Callable
 import math
 
 from nav_msgs.msg import Odometry as OdometryMessage
@@ -262,19 +263,34 @@ class PlayedBase:
         return [twist for _, twist in self.commands[count:]]
 
 
+def tilted_pose(node: ControllerNode) -> None:
+    """Let a pose come that stands on its side."""
+    message = to_object_pose_message(ObjectPose(100.0, OBJECT), 'odom')
+    message.pose.orientation.x, message.pose.orientation.w = math.sin(0.5), math.cos(0.5)
+    node.controller.on_object_pose(message)
+
+
+def cut_odometry(node: ControllerNode) -> None:
+    """Let odometry come of which only the beginning has got through."""
+    odom = next(each for topic, each in node.topic_subscriptions if topic == 'odom')
+    odom.callback(bytes([0, 1, 0, 0, 7]))
+
+
+@pytest.mark.parametrize('refuse', [tilted_pose, cut_odometry])
 def test_the_robot_stands_while_messages_are_refused_beside_good_ones(
-        node: ControllerNode, monkeypatch: pytest.MonkeyPatch) -> None:
+        node: ControllerNode, monkeypatch: pytest.MonkeyPatch,
+        refuse: Callable[[ControllerNode], None]) -> None:
     """One costs a moment; more of them a stop until none has come for a while, with the reason."""
     base = PlayedBase(node, monkeypatch)
-    tilted = to_object_pose_message(ObjectPose(100.0, OBJECT), 'odom')
-    tilted.pose.orientation.x, tilted.pose.orientation.w = math.sin(0.5), math.cos(0.5)
+    zeros: list[None] = []
+    monkeypatch.setattr(node.controller._commands, 'stop', lambda: zeros.append(None))
     assert base.run(2.0)[-1] != STOP
-    node.controller.on_object_pose(tilted)
-    assert base.commands[-1][1] == STOP and base.run(PERIOD)[0] == STOP
+    refuse(node)
+    assert (zeros or base.commands[-1][1] == STOP) and base.run(PERIOD)[0] == STOP
     assert base.run(0.5)[-1] != STOP
     for _ in range(50):
-        node.controller.on_object_pose(tilted)
-        assert base.commands[-1][1] == STOP and set(base.run(PERIOD)) == {STOP}
+        refuse(node)
+        assert set(base.run(PERIOD)) == {STOP}
     assert PushEvent.MEASUREMENT_REFUSED in codes(base.pursuit.progress.cause)
     assert set(base.run(0.4)) == {STOP} and base.run(0.5)[-1] != STOP
 
