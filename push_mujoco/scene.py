@@ -64,7 +64,9 @@ class Engine:
     :param bumper_impedance: of the contact of robot and object.
     :param cone: 'elliptic' or 'pyramidal'.
     :param bumper_mass: mass, inertia and damping of the robot's bumper [kg]: one far below that of
-        the object follows its height, one far above keeps its own, and rubs upwards too.
+        the object follows its height, one far above keeps its own, and rubs upwards too. MuJoCo
+        softens a contact by the inverse masses of its bodies, averaged over directions. So a light
+        bumper sinks into the object, unless ``bumper_impedance`` is close to 1.
     :param tolerance: of the solver.
     :param iterations: limit on the iterations of the solver.
     :param gravity: in the axes of the floor, which slopes where it is not vertical [m/s^2].
@@ -108,6 +110,10 @@ class Room(NamedTuple):
 
 
 DEFAULT = Engine()
+# The same with a bumper that keeps its height, and with a round cone besides: on the default
+# pyramid friction depends on the direction in the world.
+HEAVY_BUMPER = dataclasses.replace(DEFAULT, bumper_mass=BASE_MASS)
+ELLIPTIC = dataclasses.replace(HEAVY_BUMPER, cone='elliptic')
 # Stiff contacts and an exact cone.
 HARD = Engine(step=5e-4, impratio=10.0, floor=(0.002, 1.0), bumper=(0.002, 1.0),
               floor_impedance=(0.999, 0.999), bumper_impedance=(0.999, 0.999), cone='elliptic',

@@ -9,12 +9,14 @@ from push_dynamics.walls import Wall
 from push_model.geometry import Pose, wrap_angle
 from push_model.parameters import Outline, PushedObject, RoundRobot, Support
 from push_model.signals import Twist
-from push_mujoco.scene import DEFAULT, Engine, HARD, Room, TUNED
+from push_mujoco.scene import (
+    DEFAULT, ELLIPTIC, Engine, HARD, HEAVY_BUMPER, Room, TUNED)
 from push_mujoco.velocity_robot import MujocoPlant
 from push_sim_node.plant import Plant
 from push_sim_node.truth import ContactMode
 
-ENGINES = {'default': DEFAULT, 'hard': HARD, 'tuned': TUNED}
+ENGINES = {'default': DEFAULT, 'heavy bumper': HEAVY_BUMPER, 'elliptic': ELLIPTIC, 'hard': HARD,
+           'tuned': TUNED}
 # Number of poses along a push; chosen for the figure.
 SAMPLES = 20
 

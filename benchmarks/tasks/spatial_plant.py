@@ -7,14 +7,10 @@ from typing import Any, ClassVar
 from push_model.geometry import Pose
 from push_model.parameters import GRAVITY, PushedObject, RoundRobot
 from push_model.signals import Twist
-from push_mujoco.scene import BASE_MASS, DEFAULT, Engine
+from push_mujoco.scene import ELLIPTIC, Engine
 from push_mujoco.velocity_robot import MujocoPlant
 from push_sim_node.plant import IMMEDIATE_DRIVE, Plant
 
-# MuJoCo as it is, with soft contacts, which slip under any tangential force; but for the cone,
-# which is round here: on the default pyramid friction depends on the direction in the world. The
-# bumper keeps its height.
-ENGINE = dataclasses.replace(DEFAULT, cone='elliptic', bumper_mass=BASE_MASS)
 # Friction of the feet on slopes. By default an object at rest creeps downhill by 0.15 mm/s; much
 # stiffer feet chatter. Chosen: less than half of the creep that counts as motion.
 HOLDING_FRICTION = 0.006, 1.0
@@ -24,6 +20,8 @@ class SpatialPlant(Plant):
     """
     A ``Plant`` that MuJoCo moves; forces, contact mode and energy are not given.
 
+    Contacts are soft, and slip under any tangential force.
+
     :param obj: the true ``PushedObject``; its outline a disc or a rectangle along the axes.
     :param robot: the true ``RoundRobot``.
     :param object_pose: ``Pose`` of the object frame in the world.
@@ -31,7 +29,7 @@ class SpatialPlant(Plant):
     :param options: of ``Plant``, without meaning here.
     """
 
-    engine: ClassVar[Engine] = ENGINE
+    engine: ClassVar[Engine] = ELLIPTIC
 
     def __init__(self, obj: PushedObject, robot: RoundRobot, object_pose: Pose, robot_pose: Pose,
                  *options: Any, **more_options: Any) -> None:
@@ -82,6 +80,6 @@ def spatial_plant(angle: float = 0.0, direction: float = 0.0) -> type[SpatialPla
         """A ``SpatialPlant`` on that floor."""
 
         engine: ClassVar[Engine] = dataclasses.replace(
-            ENGINE, gravity=gravity, floor_friction=HOLDING_FRICTION)
+            ELLIPTIC, gravity=gravity, floor_friction=HOLDING_FRICTION)
 
     return SlopedPlant

@@ -113,6 +113,21 @@ def test_difference_shrinks_as_the_contact_of_the_robot_yields_less():
     assert soft[0] > 4.0 * soft[1] > 16.0 * soft[2]
 
 
+@pytest.mark.parametrize('changes, sinks', [
+    ({}, False), ({'bumper_mass': 1e-3}, True),
+    ({'bumper_mass': 1e-3, 'bumper_impedance': (0.9999, 0.9999)}, False)])
+def test_a_light_bumper_sinks_into_the_object_unless_its_contact_is_stiff(
+        changes: dict[str, Any], sinks: bool) -> None:
+    """Contacts soften with the inverse masses of their bodies."""
+    push = PUSHES[0]
+    engine = dataclasses.replace(comparison.ELLIPTIC, **changes)
+    plant = MujocoPlant(push.object, push.robot, Pose(0.0, 0.0, 0.0), push.robot_pose(), engine)
+    plant.advance(0.2 / push.speed[0], push.command)
+    center = plant.object_pose.inverse() @ plant.robot_pose
+    gap = min(x for x, _ in push.object.outline) - center.x - push.robot.radius
+    assert (gap < -1e-2) == sinks and (abs(gap) < 2e-3) != sinks
+
+
 def test_difference_shrinks_as_the_push_slows_down():
     """Loads that depend on the speed of the feet are MuJoCo's; the effect vanishes with it."""
     angles = []
