@@ -148,8 +148,9 @@ STUDIES = (
           (*SETUP, SPEED, SEGMENTS, Parameter('smooth_segments', '', 'number of segments in which '
                                               'the smooth angle changes linearly')),
           compute_smooth, draw_smooth,
-          'The {steps:.0f} steps follow the smooth angle within {from_smooth:.2f} rad of a range '
-          'of {span:.2f} rad, and move the contact {lost:.2f}% further at most.',
+          'In their middle the {steps:.0f} steps are within {from_smooth:.2f} rad of the smooth '
+          'angle, which has a range of {span:.2f} rad. They move the contact {lost:.2f}% further '
+          'at most.',
           'The angle averaged over the distance rotates the box.', (6.4, 3.4)),
     Study('3.3', 'Point robot: trajectory of the object and input', (*SETUP, SPEED, SEGMENTS),
           compute, draw,

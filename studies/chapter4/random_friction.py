@@ -166,7 +166,8 @@ STUDIES = (
     Study('4.6', 'Gaussian friction at the four support points: input', PUSH, compute_first,
           draw_input,
           'The pushing angle of feedback varies by {variation_feedback:.1f} rad in total (mpc: '
-          '{variation_mpc:.1f} rad), the planned one by {variation_object_frame:.1f} rad.',
+          '{variation_mpc:.1f} rad), in open loop in the frame of the object by '
+          '{variation_object_frame:.1f} rad.',
           'Feedback replaces its path {new_paths:.0f} times (triangles); turns of new paths are '
           'spikes.',
           (7.4, 4.4)),

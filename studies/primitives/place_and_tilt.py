@@ -134,8 +134,8 @@ STUDIES = (
     _polygon_study('P.3', 'coffee table'),
     Study('P.4', 'Straight pushes at a round object: bin', PARAMETERS, compute, draw,
           'All contact points of the bin are much alike. Pushes along the normal move it straight '
-          'ahead; tilted ones turn it, by {turn:.0f} degrees at most over {length:g} m and '
-          '{long_turn:.0f} degrees over {long_length:g} m.',
+          'ahead; tilted ones turn it, by {turn:.0f} degrees at most over {length:g} m and by '
+          '{long_turn:.0f} degrees on average over {long_length:g} m.',
           'Pushed along the normal, a disc on a disc is in unstable equilibrium. The standard '
           'deviation of its rotation grows from {balance_spread:.1f} degrees after {length:g} m '
           'to {long_spread:.0f} degrees after {long_length:g} m.', (8.4, 7.2)))

@@ -35,7 +35,7 @@ AWAY = 2.0
 # Room for the legend above the curves; chosen.
 HEADROOM = 1.1
 # Columns of the simulated pushes: loads as the object file has them, and the two extremes.
-LOADS = {'believed': 'loads as believed', 'least': 'shortest wheelbase',
+LOADS = {'nominal': 'nominal loads', 'least': 'shortest wheelbase',
          'greatest': 'longest wheelbase'}
 
 
@@ -79,7 +79,7 @@ def _on_outline(obj: PushedObject, bearing: float) -> tuple[float, float]:
 
 
 def _pushes(obj: PushedObject, values: Values) -> Table:
-    """Rotation over the driven length, for the believed loads and the extremes."""
+    """Rotation over the driven length, for the nominal loads and the extremes."""
     times = np.linspace(0.0, values.length / SPEED, SAMPLES + 1)
     robot = RoundRobot(values.robot_radius, 'holonomic', time_constant=0.0)
     origin = Pose(0.0, 0.0, 0.0)
@@ -88,7 +88,7 @@ def _pushes(obj: PushedObject, values: Values) -> Table:
     point = start.x + robot.radius, values.offset
     extremes = sorted(extreme_objects(obj), key=lambda one: vehicle(one, point).wheelbase)
     columns: Table = {'length_m': SPEED * times}
-    for name, one in (('believed', obj), ('least', extremes[0]), ('greatest', extremes[-1])):
+    for name, one in (('nominal', obj), ('least', extremes[0]), ('greatest', extremes[-1])):
         plant = Plant(one, robot, origin, start)
         rotations = [0.0]
         for duration in np.diff(times).tolist():
@@ -114,14 +114,14 @@ def _findings(tables: dict[str, Table], vertex: int, values: Values) -> dict[str
     return {
         'least': Finding(float(around['least_wheelbase_m'][vertex]), 'm',
                          'least wheelbase at a vertex'),
-        'believed': Finding(float(around['wheelbase_m'][vertex]), 'm', 'wheelbase as believed'),
+        'nominal': Finding(float(around['wheelbase_m'][vertex]), 'm', 'nominal wheelbase'),
         'greatest': Finding(float(around['greatest_wheelbase_m'][vertex]), 'm', 'greatest'),
         'narrowest': Finding(MILLIMETRES * float(span.min()), 'mm',
                              'range of the wheelbase where loads matter least'),
         'least_ratio': Finding(float(around['least_c_squared_m2'][vertex]) / nominal, '',
-                               'least c^2 over the believed one'),
+                               'least c^2 over the nominal one'),
         'greatest_ratio': Finding(float(around['greatest_c_squared_m2'][vertex]) / nominal, '',
-                                  'greatest c^2 over the believed one'),
+                                  'greatest c^2 over the nominal one'),
         'prior_low': Finding(math.exp(-2.0 * prior), '', 'the same at two standard deviations of '
                              'the default of control.c_squared_log_std'),
         'prior_high': Finding(math.exp(2.0 * prior), '', 'likewise, upwards'),
@@ -147,7 +147,7 @@ def _draw_ranges(axes: Axes, around: Table) -> None:
     bearings, style = np.degrees(around['bearing_rad']), plot_style.series(0)
     axes.fill_between(bearings, around['least_wheelbase_m'], around['greatest_wheelbase_m'],
                       color=style['color'], alpha=0.25, linewidth=0.0, label='all loads')
-    axes.plot(bearings, around['wheelbase_m'], label=LOADS['believed'], **style)
+    axes.plot(bearings, around['wheelbase_m'], label=LOADS['nominal'], **style)
     axes.set(xlabel='bearing of the contact from the mass centre [deg]',
              ylabel='wheelbase L [m]', xticks=np.arange(-180, 181, 45),
              ylim=(None, HEADROOM * float(around['greatest_wheelbase_m'].max())))
@@ -158,10 +158,10 @@ STUDIES = (
     Study('P.11', 'Loads that nobody knows', PARAMETERS, compute, draw,
           'Statics leaves open how four feet share the weight: the object may stand on either '
           'diagonal. At a vertex the wheelbase is then {least:.3f} to {greatest:.3f} m, '
-          '{believed:.3f} m with even loads; in the middle of a face the range is '
+          '{nominal:.3f} m with nominal loads; in the middle of a face the range is '
           '{narrowest:.0f} mm wide. A straight push of {length:g} m, {offset:.0f} mm beside the '
           'middle, turns the object by {turn_least:.1f} to {turn_greatest:.1f} degrees, '
-          '{turn_believed:.1f} with even loads.',
+          '{turn_nominal:.1f} with nominal loads.',
           'The wheelbase is r + c^2 / r, c^2 the mean square of the feet along the push, weighted '
           'by load. Feet on the diagonal along the push add most, those on the other one '
           'nothing; from the middle of a face all feet are equally far. Even friction keeps the '

@@ -41,7 +41,7 @@ def test_three_supports_leave_nothing_open():
 
 def test_study_finds_vertices_wide_and_middles_of_faces_sure():
     found = numbers(outcome_of(by_figure(study)['P.11']))
-    assert found['least'] < found['believed'] < found['greatest']
+    assert found['least'] < found['nominal'] < found['greatest']
     assert found['narrowest'] == pytest.approx(0.0, abs=0.1)
     assert (found['least_ratio'], found['greatest_ratio']) == pytest.approx((0.0, 2.0))
-    assert found['turn_least'] > found['turn_believed'] > found['turn_greatest']
+    assert found['turn_least'] > found['turn_nominal'] > found['turn_greatest']
