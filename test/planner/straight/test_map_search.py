@@ -17,6 +17,7 @@ from push_navigation.path_planner import CLEARANCE_STEPS
 from push_navigation.settings import DriveSettings
 from push_planner.problem import PlanningFailed
 from push_planner.settings import PlannerSettings
+from push_planner.straight.map_search import planner
 from push_planner.straight.map_search.object_distance import distance_grid, narrowest_passage
 from push_planner.straight.map_search.planner import (
     MAX_EXPANSIONS, MIN_FRACTION, plan_push_in_map)
@@ -26,7 +27,7 @@ from push_planner.straight.map_search.reachable_set import (
 from push_planner.straight.map_search.refusal_memory import Question, RefusalMemory
 from push_planner.straight.map_search.scene import (
     distance_to_object, make_scene, object_clearance)
-from push_planner.straight.planner import plan_straight_push
+from push_planner.straight.planner import ApproachPaths, plan_straight_push
 import pytest
 from scipy.ndimage import label
 
@@ -216,6 +217,23 @@ def test_a_question_that_has_not_changed_is_answered_from_memory():
                   recalled(robot_pose=away), recalled(goal=away), recalled(odometry_drift=0.05),
                   recalled(position_tolerance=0.05)):
         assert other is None
+
+
+@pytest.mark.parametrize('count', [1, 3])
+def test_paths_to_first_pushes_use_up_the_work_of_a_request(
+        count: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A robot that gets to none of them tries no more than the work is for."""
+    tried: list[Pose] = []
+
+    def travel_time(_: ApproachPaths, start: Pose) -> float:
+        tried.append(start)
+        return math.inf
+    monkeypatch.setattr(ApproachPaths, 'travel_time', travel_time)
+    monkeypatch.setattr(planner, 'PATH_WORK', planner.MAX_WORK // count)
+    # Answers are remembered: no other test asks this.
+    refusal(walled_floor(6.0, 4.5, 0.9), Pose(1.5, 0.3, 1.0),
+            start=START @ Pose(0.01 * count, 0.0, 0.0))
+    assert len(tried) == count
 
 
 def test_where_object_or_goal_do_not_fit_there_is_no_plan():
