@@ -154,7 +154,7 @@ def public_maps(count: int, folder: str) -> list[Row]:
     for name in NOOK_OBJECTS:
         measure('', [nook(Nook.TO_WALL, name, DRIVES[0], count)])
         instances = [public(name, DRIVES[0], seed, folder) for seed in range(count)]
-        rows.append(measure(f'{name}, its position known', instances))
+        rows.append(measure(f'{name}, its position known', instances, explains=True))
         rows.append(measure(f'{name}, odometry alone', instances, drift=drift))
     return rows
 

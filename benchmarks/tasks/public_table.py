@@ -15,8 +15,7 @@ def public_tables(pairs: Sequence[Pair]) -> str:
     """
     Write a row for robots with a lidar, and one for those by odometry alone, in two tables.
 
-    A task is answered where there was a plan. The CPU time of the first answer is that of the
-    first plan; the longest step also has the refusals.
+    A task is answered where the robot sets out. The first answer is a plan or a refusal.
 
     :param pairs: (job, record) of all tasks.
     :return: both tables, empty where there is no task.
@@ -38,7 +37,8 @@ def _driven(group: Group) -> Sequence[Any]:
     low, high = wilson(group.successes, count)
     hits = [int((group.values(f'{body}_clearance', successful=False) < 0.0).sum())
             for body in ('object', 'robot')]
-    return (group.name, count, len(_first_answers(group)), group.successes,
+    answered = int((group.values('in_approach', successful=False) > 0.0).sum())
+    return (group.name, count, answered, group.successes,
             f'{100.0 * low:.0f} to {100.0 * high:.0f} %', group.falsely_done,
             f'{hits[0]}; {hits[1]}', _median(group.values('duration'), '.0f'),
             _median(group.ratios('duration', 'least'), '.2f'))
@@ -57,7 +57,7 @@ def _refused(group: Group) -> Sequence[Any]:
 
 
 def _first_answers(group: Group) -> list[float]:
-    """List the CPU times of first plans [s]."""
+    """List the CPU times of first answers [s]."""
     return [float(record['planning'].split()[0]) for _, record in group.tasks
             if record.get('planning')]
 

@@ -90,13 +90,13 @@ def test_a_folder_without_maps_is_refused(tmp_path: Path) -> None:
 
 
 def test_the_tables_count_answers_goals_collisions_and_refusals() -> None:
-    """A refused task has no answer; its code, and what could be done there, are stated."""
+    """A refused task is not answered; its code, and what could be done there, are stated."""
     job = {'part': PUBLIC_MAPS, 'kind': 'bin, holonomic', 'seed': 0}
     done = {'variety': 'lidar', 'success': True, 'planning': '0.2000 0.1000', 'codes': '',
             'outcome': 'done', 'object_clearance': -0.01, 'robot_clearance': 0.1,
-            'duration': 40.0, 'least': 16.0, 'longest_step': 0.3}
-    refused = {**done, 'success': False, 'planning': '', 'codes': 'NO_FACE', 'outcome': 'failed',
-               'object_clearance': 0.1, 'answer': Answer.PUSHES.value}
+            'duration': 40.0, 'least': 16.0, 'longest_step': 0.3, 'in_approach': 9.0}
+    refused = {**done, 'success': False, 'in_approach': 0.0, 'codes': 'NO_FACE',
+               'outcome': 'failed', 'object_clearance': 0.1, 'answer': Answer.PUSHES.value}
     driven, answers = ([cell.strip() for cell in line.strip('|').split('|')]
                        for line in public_tables([(job, done), (job, refused)]).splitlines()
                        if line.startswith('| lidar'))

@@ -63,8 +63,8 @@ MIN_FRACTION = CLEARANCE_STEPS[-1][0]
 # Part of the tolerances within which a last push ends, as planned.
 GOAL_FRACTION = 0.7
 # Work of all searches of a request, as of ``Query``, and of a path to a first push in the same
-# units; measured at 0.13 to 0.16 us each, so that a refusal takes two seconds at most.
-MAX_WORK, PATH_WORK = 12_000_000, 300_000
+# units; measured at 0.11 to 0.14 us each, so that a refusal takes two seconds at most.
+MAX_WORK, PATH_WORK = 14_000_000, 300_000
 # First pushes whose paths are planned, until one is found, and where the robot goes round through
 # other rooms, which takes ten times as long to search.
 MAX_FIRST_PUSHES, MAX_WIDE_PUSHES = 12, 3

@@ -55,6 +55,9 @@ SLIDING_LENGTH = 0.3
 ENOUGH, LOST_GAP, NEW_OVERLAP, SLIDING_SLOPE = 0.3, 0.018, 0.003, 0.1
 # First length of which the sweep is looked at: shorter ones move the object by less than a margin.
 FIRST_SWEEP = 0.04
+# Work of a look at the clearances of a pose in a sweep [grid points of the robot's paths];
+# measured with a table among clutter.
+SWEEP_WORK = 2
 
 
 @compiled
@@ -196,6 +199,7 @@ def _add_pushes(problem: Any, memory: Any, parent: int, option: int, travel: flo
         if length < FIRST_SWEEP:
             continue
         _write_pose(pushes.means[stage, option, step], node, memory.pose)
+        memory.counters[WORK] += SWEEP_WORK
         if not _is_free(problem, memory, parent, option, step):
             return
         if (is_dense or pushes.coarse[option]) and pushes.is_end[step]:
