@@ -151,6 +151,19 @@ def test_what_stands_at_a_goal_is_moved_aside_before_what_stands_beside_the_way(
     assert 'd' not in {move.name for move in plan.moves}
 
 
+def test_an_order_that_leaves_an_object_out_does_not_end_the_search() -> None:
+    """The first place aside of a circle is a dead end; a budget of nothing gives a whole order."""
+    places = [Pose(1.55, -1.34, 2.59), Pose(1.4, 1.22, -0.84), Pose(0.74, -0.51, 0.87)]
+    beside = Pose(-1.16, -1.43, 2.76)
+    plan = plan_order(rearrangement(
+        *(NamedObject(name, box(), start, goal)
+          for name, start, goal in zip('abc', places, [*places[1:], *places])),
+        NamedObject('d', box(), beside, beside), floor=walled_floor(5.0, 5.0),
+        robot_pose=Pose(-2.25, -2.25, 0.0)), max_work=0)
+    ends = {move.name: move.end for move in plan.moves}
+    assert not plan.refusals and [ends[name] for name in 'abc'] == [*places[1:], places[0]]
+
+
 @pytest.mark.parametrize('goal', [None, Pose(0.0, 0.0, 0.0)])
 def test_a_door_is_freed(goal: Pose | None) -> None:
     """What blocks a door is moved aside, and back if it has a goal there."""
