@@ -27,7 +27,6 @@ PANELS: tuple[tuple[Law, ...], ...] = (
 TITLES = ('optimiser', 'feedback law, path of its own')
 INPUT_LAWS: tuple[Law, ...] = (REPLANNED, FEEDBACK, KEPT_PATH, MPC)
 GOAL_LAWS: tuple[Law, ...] = (OPEN_LOOP, REPLANNED, FEEDBACK, OWN_PATH, KEPT_PATH, MPC)
-GOAL_STYLES = {**STYLES, OWN_PATH: STYLES[OBJECT_FRAME]}
 
 
 def draw_goals(figure: Figure, outcome: Outcome, values: Values) -> None:
@@ -38,7 +37,7 @@ def draw_goals(figure: Figure, outcome: Outcome, values: Values) -> None:
         draw_outlines(axes, box(values), [Pose(0.0, 0.0, 0.0), Pose(*goal)])
         for law in GOAL_LAWS:
             draw_center(axes, outcome.tables[f'{law}_{number}'], label=LABELS[law],
-                        **GOAL_STYLES[law])
+                        **STYLES[law])
         axes.set_title(f'goal {number}: {goal[0]:g} m, {goal[1]:g} m, {goal[2]:g} rad', loc='left')
         axes.label_outer()
     panels[0, -1].legend(*panels[0, 0].get_legend_handles_labels(), loc='upper left',

@@ -61,9 +61,9 @@ LABELS: dict[Law, str] = {
 STYLES: dict[Law, dict[str, Any]] = {
     FEEDBACK: plot_style.series(0), OPEN_LOOP: plot_style.series(1),
     OBJECT_FRAME: plot_style.series(3), MPC: plot_style.series(2),
-    OWN_PATH: plot_style.series(0), KEPT_PATH: plot_style.series(4),
-    NO_JUMP_TEST: plot_style.series(5), REPLANNED: plot_style.series(5),
-    FORCE_ANGLE: plot_style.series(4), DIPOLE: plot_style.series(3)}
+    KEPT_PATH: plot_style.series(4), REPLANNED: plot_style.series(5),
+    NO_JUMP_TEST: plot_style.series(6), FORCE_ANGLE: plot_style.series(7),
+    DIPOLE: plot_style.series(8), OWN_PATH: plot_style.series(9)}
 # Fields of ``ControlSettings`` that differ from their defaults. A path of its own is drawn as soon
 # as there is any error, which is at once, and none after it.
 CONTROL: dict[Law, dict[str, Any]] = {

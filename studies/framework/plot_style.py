@@ -22,7 +22,9 @@ LIGHT = '#D8D8D8'
 # Colour and dashes of curves, dark to light, so that they differ in grey as well.
 SERIES: tuple[tuple[str, Any], ...] = (
     ('#0B2A6B', '-'), ('#B3261E', (0, (6, 2))), ('#00795C', (0, (6, 2, 1, 2))),
-    ('#D07A00', (0, (2, 1.5))), ('#7B5EA7', (0, (1, 1))), ('#4C9BD6', (0, (8, 2, 2, 2))))
+    ('#D07A00', (0, (2, 1.5))), ('#7B5EA7', (0, (1, 1))), ('#4C9BD6', (0, (8, 2, 2, 2))),
+    ('#C2478F', (0, (4, 1))), ('#6B4A2B', (0, (4, 1, 1, 1, 1, 1))), ('#8F8F00', (0, (3, 1, 1, 1))),
+    ('#3AA6A0', (0, (10, 2))))
 STABLE = '#0B2A6B'
 UNSTABLE = '#B3261E'
 # Fills: of regions in a plot, such as a friction cone or a basin of attraction, and of objects.
