@@ -3,24 +3,30 @@
 import contextlib
 import dataclasses
 import io
+from pathlib import Path
 import signal
 import subprocess
 import sys
+import time
 
-from helpers.node_bench import bench
+from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
+from helpers.node_bench import bench, REACTION_TIMEOUT
 from push_base.calibration.program import CalibrationProgram
 from push_base.calibration.recording_file import to_csv
 from push_model.files.flat_values import to_parameter_values
 from push_model.files.parameter_files import read_robot
 from push_model.geometry import Pose
 from push_model.signals import Odometry, STOP
+from push_ros import qos
 from push_ros.topics import SIM
 from push_scenario import load_scenario, simulate
 from push_scenario.calibration import cli
-from push_scenario.dds.private_network import private_environment
+from push_scenario.calibration.ros.calibrator import Calibrator
+from push_scenario.dds.private_network import private_domain, private_environment
 from push_scenario.simulation.result import Outcome
 from push_scenario.terminal_line import TerminalLine
 import pytest
+import rclpy
 import yaml
 
 pytestmark = pytest.mark.slow
@@ -110,6 +116,35 @@ def test_over_dds_the_base_is_measured_and_its_files_do_a_task(network, tmp_path
     assert robot.dead_time == pytest.approx(DEAD_TIME, abs=0.02)
     result = simulate(dataclasses.replace(SCENARIO, robot=robot, true_robot=TRUE_ROBOT))
     assert result.outcome is Outcome.DONE
+
+
+@pytest.mark.dds
+@pytest.mark.parametrize('kind', [PoseStamped, PoseWithCovarianceStamped])
+def test_object_poses_of_both_types_are_recorded(kind: type, tmp_path: Path) -> None:
+    """Those with a covariance where the parameter says so, as for the other nodes."""
+    path = tmp_path / 'my.yaml'
+    path.write_text(yaml.safe_dump({'/**': {'ros__parameters': {
+        **to_parameter_values(SCENARIO.object, 'object.'),
+        **to_parameter_values(SCENARIO.robot, 'robot.'),
+        'object_pose_with_covariance': kind is PoseWithCovarianceStamped, 'lockstep': True}}}))
+    message = kind()
+    message.header.frame_id = 'odom'
+    programs: list[CalibrationProgram] = []
+    with private_domain() as domain, contextlib.ExitStack() as stack:
+        rclpy.init(args=['--ros-args', '--params-file', str(path)], domain_id=domain)
+        stack.callback(rclpy.shutdown)
+        node = Calibrator(programs.append, lambda _: None)
+        stack.callback(node.destroy_node)
+        publisher = node.create_publisher(kind, 'object_pose', qos.MEASUREMENT)
+        end = time.monotonic() + REACTION_TIMEOUT
+        while publisher.get_subscription_count() == 0 and time.monotonic() < end:
+            time.sleep(0.01)
+        publisher.publish(message)
+        while not node._program.recording.object_poses and time.monotonic() < end:
+            node.poll()
+            time.sleep(0.01)
+        node.close()
+    assert len(programs[0].recording.object_poses) == 1
 
 
 def test_without_ros_it_calibrates_the_robot_of_a_scenario(tmp_path, capsys):

@@ -40,6 +40,8 @@ class CalibrationOptions:
                            20.0, default=2.0)
     enable_stamped_cmd_vel: bool = quantity('publish TwistStamped on cmd_vel, else Twist',
                                             default=True)
+    object_pose_with_covariance: bool = quantity(
+        'object_pose is PoseWithCovarianceStamped, else PoseStamped', default=False)
     lockstep: bool = quantity('for a simulator in lockstep: answer every measurement with one '
                               'command with its stamp; time is that of the stamps', default=False)
 
@@ -60,8 +62,9 @@ class Calibrator(PushNode):
         ``cmd_vel`` (TwistStamped, or Twist); ``/diagnostics`` (DiagnosticArray).
 
     Subscribers
-        ``odom`` (Odometry); ``object_pose`` (PoseStamped), of an object that stands still;
-        ``robot_pose`` (PoseStamped), of the robot in a fixed frame, as of motion capture.
+        ``odom`` (Odometry); ``object_pose`` (PoseStamped, or PoseWithCovarianceStamped), of an
+        object that stands still; ``robot_pose`` (PoseStamped), of the robot in a fixed frame, as
+        of motion capture.
 
     ROS parameters
         ``object.*`` and ``robot.*``, nominal; ``world_frame``; those of ``CalibrationOptions``.
@@ -91,7 +94,8 @@ class Calibrator(PushNode):
         # When a command is due where nothing comes, or in lockstep the end [s].
         self._due = math.inf if self._options.lockstep else 0.0
         self.subscribe('odom', self._on_odometry, real_time=True)
-        self.subscribe('object_pose', self._on_object_pose, real_time=True)
+        self.subscribe('object_pose', self._on_object_pose, real_time=True,
+                       with_covariance=self._options.object_pose_with_covariance)
         self.create_subscription(PoseStamped, 'robot_pose', self.guarded(self._on_robot_pose),
                                  qos.SENSOR, callback_group=self.background)
 
