@@ -90,6 +90,10 @@ class LidarLocalizer:
         self._unexplained: UnexplainedPoints | None = None
         self._fits: deque[float] = deque(maxlen=FIT_COUNT)
         self._searched_at = -math.inf
+        # Where the object is to the robot at the time of the state, by odometry since a sensor on
+        # the robot measured it, and the time of that [s].
+        self._relative: Pose | None = None
+        self._measured_at = -math.inf
 
     @property
     def unexplained(self) -> UnexplainedPoints | None:
@@ -188,10 +192,12 @@ class LidarLocalizer:
         """
         Match the scan that waits.
 
-        :param measured: the newest ``ObjectPose``, whose beams are left out; None without any.
+        :param measured: the newest ``ObjectPose``, whose beams are left out; None without any. One
+            of a sensor on the robot is carried on by odometry.
         :return: ``RobotPlace`` at the middle of the scan; None where there is no scan, or it tells
             nothing.
         """
+        self._note_relative(measured)
         scan, matcher = self._scan, self._matcher
         if scan is None or self._motion.newest < scan.end:
             return None
@@ -208,9 +214,17 @@ class LidarLocalizer:
             return None
         return self._match(matcher, points)
 
+    def _note_relative(self, measured: ObjectPose | None) -> None:
+        """Note where a sensor on the robot has seen the object, once for each pose."""
+        if measured is None or measured.relative is None or self._time == -math.inf:
+            self._relative = None
+        elif self._relative is None or measured.time != self._measured_at:
+            step = self._motion.step(measured.time, self._time)
+            self._relative, self._measured_at = step.inverse() @ measured.relative, measured.time
+
     def _without_object(self, points: ScanPoints, measured: ObjectPose) -> ScanPoints:
         """Leave out what sees the object, as the robot is predicted to stand to it."""
-        pose = measured.relative
+        pose = self._relative
         if pose is None:
             pose = Pose(*self._state[:3].tolist()).inverse() @ measured.pose
         return points.selected(
@@ -228,6 +242,8 @@ class LidarLocalizer:
         """Move the state on by odometry."""
         step = self._motion.step(self._time, time)
         self._time = time
+        if self._relative is not None:
+            self._relative = step.inverse() @ self._relative
         self._motion.drop_before(time - LATENCY)
         length = math.hypot(step.x, step.y)
         x, y, heading, scale, drift = self._state.tolist()

@@ -198,6 +198,27 @@ def test_what_neither_map_nor_object_explains_is_where_it_stands():
             assert math.hypot(x - 2.4, y - 0.9) < 0.3
 
 
+@pytest.mark.parametrize('duration', [0.4, 4.0])
+def test_a_pose_of_a_camera_on_the_robot_stays_where_it_was_measured(duration: float) -> None:
+    """A robot that turns away from the object sees who stands ahead, and not the object."""
+    cells, ahead = room_cells(5.0, 4.0), Pose(0.9, 0.02, 0.3)
+    start, end = Pose(2.5, 2.0, 0.1), Pose(2.5, 2.0, 0.1 + 0.5 * math.pi)
+    localizer = make_localizer(cells)
+    measured = ObjectPose(0.1, WORLD, relative=ahead)
+    seen = with_box(scan_at(cells, start), start, start @ ahead)
+    stand(localizer, seen, start, measured=measured)
+    assert not len(localizer.unexplained.points)
+    for fraction in np.linspace(0.0, 1.0, 21).tolist():
+        localizer.add_odometry(standing(
+            0.1 + duration * fraction, start._replace(theta=0.1 + 0.5 * math.pi * fraction)))
+        localizer.locate(measured)
+    seen = with_box(with_box(scan_at(cells, end), end, start @ ahead), end, end @ ahead)
+    stand(localizer, seen, end, 0.2 + duration, measured)
+    points = np.array(localizer.unexplained.points)
+    assert len(points) > 10
+    assert np.hypot(*(points - ahead[:2]).T).max() < 0.35
+
+
 def test_the_object_is_no_wall():
     """A box along a wall displaces a place unless its pose is known, in the world or relative."""
     pose, box = Pose(0.7, 1.2, 0.0), Pose(0.9, 0.34, 0.003)
