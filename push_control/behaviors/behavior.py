@@ -80,11 +80,11 @@ class Behavior(abc.ABC, Generic[Perception]):
     ``finished``: whether it has ended well. ``failure``: the ``FailureReport`` where it has ended
     otherwise, else None. ``measurement_need``: its ``MeasurementNeed``.
     ``result``: what the end of a behaviour that plans means, where no push follows; else None.
-    ``handles_stops``: whether it waits by itself while the safety layer stops the robot; else it
-    ends then. ``plan_request``: the ``PlanRequest`` that waits for its plan, or None.
-    ``needs_plan``: whether nothing happens before that comes. ``ends_at_goal``: whether the plan
-    has to lead to the goal. ``next_goal``: ``TaskGoal`` to which there is no plan yet while it
-    pursues another one, or None.
+    ``handles_stops``: whether it waits by itself while the safety layer stops the robot, or
+    measurements fail; else it ends then. ``plan_request``: the ``PlanRequest`` that waits for its
+    plan, or None. ``needs_plan``: whether nothing happens before that comes. ``ends_at_goal``:
+    whether the plan has to lead to the goal. ``next_goal``: ``TaskGoal`` to which there is no plan
+    yet while it pursues another one, or None.
     """
 
     measurement_need: MeasurementNeed = MeasurementNeed.ODOMETRY_AND_OBJECT

@@ -67,7 +67,8 @@ class PromptPlan(Behavior[RawPerception]):
         self._goal = self._goal._replace(pose=pose)
 
     def pause(self) -> None:
-        """Do nothing: the robot stands."""
+        """Forget for how long measurements were awaited."""
+        self._watch = MeasurementWatch()
 
     def step(self, perception: RawPerception, dt: float) -> Twist:
         """Stand, and request a plan."""
@@ -187,6 +188,7 @@ class SinglePush(SteeredPush):
 
     def step(self, perception: RawPerception, dt: float) -> Twist:
         """Compute the command, and request a plan where one is needed."""
+        self._perception = perception
         observation, controller = perception.observation, self._controller
         self._time = observation.time
         command = controller.step(self._target, observation, dt)

@@ -6,6 +6,7 @@ import numpy as np
 from push_control.behaviors.behavior import Behavior, BehaviorContext, MeasurementNeed
 from push_control.behaviors.failures import BehaviorFailure, FailureReport
 from push_control.behaviors.obstacle_guard import blocks_push
+from push_control.perception.raw_perception import RawPerception
 from push_control.steered.controller import Controller
 from push_control.steered.status import ControllerStatus, Phase
 from push_model.events import EventReport, UNBELIEVED_POSES
@@ -45,6 +46,8 @@ class SteeredPush(Behavior['TaskPerception']):
         self._context = context
         self._target = target
         self._controller = Controller(context.obj, context.robot, context.control)
+        # That of all steps; None before the first.
+        self._perception: RawPerception | None = None
 
     @property
     def push_cause(self) -> EventReport | None:
@@ -63,10 +66,13 @@ class SteeredPush(Behavior['TaskPerception']):
                            occupancy_map, pose)
 
     def pause(self) -> None:
-        """Do nothing: the controller waits by itself."""
+        """Let the controller stand; it goes on from where object and robot are then."""
+        if self._perception is not None:
+            self._controller.pause(self._perception.observation)
 
     def step(self, perception: 'TaskPerception', dt: float) -> Twist:
         """Compute the command; evaluate the push at its end."""
+        self._perception = perception
         command = self._controller.step(self._target, perception.observation, dt)
         status = self._controller.status
         self.finished = status.phase is Phase.DONE

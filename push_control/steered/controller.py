@@ -175,6 +175,13 @@ class Controller:
             self._stop = _SafetyStop()
             self._watch = MeasurementWatch()
 
+    def pause(self, observation: Observation) -> None:
+        """Stand in place of a step, without regard to measurements; the next step goes on."""
+        self._watch = MeasurementWatch()
+        if self._push is not None:
+            odometry = observation.odometry
+            self._push.pause(odometry if is_finite_odometry(odometry) else None)
+
     def _continues_with(self, target: PushTrajectory, observation: Observation) -> bool:
         """Change over to a target that starts at the present push, if it does."""
         phase = self._state.phase

@@ -186,8 +186,10 @@ class TaskExecution:
     @property
     def _stand_reason(self) -> StandReason | None:
         """Why a robot with a task under way has to stand, or None."""
-        if self.state.is_standing or self._behavior.handles_stops:
+        if self.state.is_standing:
             return None
+        if self._behavior.handles_stops:
+            return next(iter(self._reasons.holds), None)
         return self._reasons.first(self._perception.time)
 
     @property
@@ -210,7 +212,7 @@ class TaskExecution:
 
     def step(self, observation: Observation, dt: float) -> Twist:
         """
-        Answer a measurement; the same observation again gets the same answer.
+        Answer a measurement; the same observation again gets the same answer, or a stop.
 
         :param observation: ``Observation``, with odometry as it comes.
         :param dt: time since the last step [s].
@@ -226,6 +228,8 @@ class TaskExecution:
             command = self._act(dt) if stand_reason is None else self._stand(stand_reason)
             self._answer = _Answer(observation.stamps, command, self._behavior)
             self._perception.add_command(command, observation.time)
+        elif self._stand_reason is not None:
+            return STOP
         return self._answer.command
 
     def _update_perception(self, observation: Observation) -> None:

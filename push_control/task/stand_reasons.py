@@ -117,6 +117,16 @@ class StandReasons:
         self._watch = MeasurementWatch()
         self._fault = None
 
+    @property
+    def holds(self) -> tuple[StandReason, ...]:
+        """Reasons that no behaviour handles by itself, the one that counts first."""
+        reasons: list[StandReason] = []
+        if self._lasting_hold is not None:
+            reasons.append(StandReason(StandCause.AWAITS_RESUME, self._lasting_hold))
+        if self._hold_report is not None and not _awaits_resume(self._hold_report):
+            reasons.append(StandReason(StandCause.HOLD, self._hold_report))
+        return tuple(reasons)
+
     def all(self, time: float) -> tuple[StandReason, ...]:
         """
         List all reasons, the one that counts first.
@@ -126,17 +136,15 @@ class StandReasons:
         reasons: list[StandReason] = []
         if self._stop is not None and self._stop.code.awaits_resume:
             reasons.append(StandReason(StandCause.AWAITS_RESUME, self._stop))
-        elif self._lasting_hold is not None:
-            reasons.append(StandReason(StandCause.AWAITS_RESUME, self._lasting_hold))
         elif self._stop is not None:
             duration = time - self._stopped_since
             reasons.append(StandReason(StandCause.SAFETY_STOP, self._stop, duration))
-        if self._hold_report is not None and not _awaits_resume(self._hold_report):
-            reasons.append(StandReason(StandCause.HOLD, self._hold_report))
+        reasons += self.holds
         if self._fault is not None:
             duration = self._watch.waited(time)
             reasons.append(StandReason(StandCause.MEASUREMENTS, self._fault, duration))
-        return tuple(reasons)
+        order = list(StandCause)
+        return tuple(sorted(reasons, key=lambda reason: order.index(reason.cause)))
 
     def first(self, time: float) -> StandReason | None:
         """

@@ -283,6 +283,7 @@ class Supervisor(TaskExecution):
     def resume(self) -> None:
         """Go on after a pause, or after a stop of the base with another plan."""
         if self._behavior.resume():
+            self._reasons.resume()
             return
         if self.state is TaskState.PAUSED or self.awaits_resume:
             if self.awaits_resume:
