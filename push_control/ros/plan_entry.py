@@ -65,7 +65,8 @@ class PlanEntry:
         Set the plan that was requested; one that was not is reported, and not driven.
 
         One that comes after its request has timed out is set where the object has not moved. With
-        ``accept_unrequested_plans`` a single push takes any that starts where the object is.
+        ``accept_unrequested_plans`` a single push takes any that starts where the object is, but
+        for answers to requests that were given up.
 
         :param is_started: whether the robot may move; else the plan waits for the start.
         :raises MessageRefused: where it cannot be used: the robot stands.
@@ -96,8 +97,12 @@ class PlanEntry:
         self._reporter.show_plan(plan, stamp)
 
     def _on_unrequested(self, message: Any, is_started: bool) -> None:
-        """Report a plan that was not requested, or drive it where that is allowed."""
-        if not self.accepts_unrequested:
+        """
+        Report a plan that no open request awaits, or drive it where that is allowed.
+
+        One whose request was given up is for a goal that nobody has any more.
+        """
+        if not self.accepts_unrequested or self._requester.has_requested(message):
             self._requester.report_unrequested(message)
             return
         plan, stamp = self._read(message, None), message.header.stamp

@@ -115,14 +115,21 @@ class PlanRequester:
         self._logger.debug(f'receives {kind} plan')
         return request
 
-    def report_unrequested(self, message: Any) -> None:
+    def has_requested(self, message: Any) -> bool:
         """
-        Report a plan that answers no request of this node, and who may have sent it.
+        Tell whether a plan answers a request of this node, be it one that was given up.
 
         :param message: message with a header.
         """
-        is_own = nanoseconds(message.header.stamp) in self._stamps
-        reason = ('its request has been answered, or given up' if is_own
+        return nanoseconds(message.header.stamp) in self._stamps
+
+    def report_unrequested(self, message: Any) -> None:
+        """
+        Report a plan that answers no request that is open, and who may have sent it.
+
+        :param message: message with a header.
+        """
+        reason = ('its request has been answered, or given up' if self.has_requested(message)
                   else 'this node has not requested it')
         self._node.reporter.report(WARN, f'push_plan: a plan is not driven, as {reason}; '
                                          f'{self._senders}')
