@@ -23,7 +23,7 @@ from push_control.supervision_settings import SupervisionSettings
 from push_control.task.single_push import SinglePushBehaviors
 from push_control.task.status import TaskState
 from push_control.task.supervisor import Supervisor
-from push_model.events import AnyReport
+from push_model.events import AnyReport, Report
 from push_model.geometry import Pose
 from push_model.observation import Observation
 from push_model.plan_request import PlanRequest
@@ -31,6 +31,7 @@ from push_model.signals import Twist
 from push_ros.conversions.primitives import MessageRefused
 from push_ros.map_reader import MapChange
 from push_ros.node import PushNode, ServiceAnswer
+from push_safety.protective_field import ProtectiveCause
 from push_safety.status import SafetyReport
 
 Settings = TypeVar('Settings', ControlSettings, SupervisionSettings)
@@ -55,7 +56,6 @@ class GoalPursuit:
         options = parameters.options
         self._options = options
         self._placing = placing
-        self._protective_report: AnyReport | None = None
         self._parameters = parameters
         self._logger = node.get_logger()
         self.start_state = StartState.first(waits=options.wait_for_start)
@@ -317,21 +317,18 @@ class GoalPursuit:
         self._floor.refuse(reason)
         self._hold_without_map()
 
-    def protect(self, report: AnyReport | None) -> None:
+    def protect(self, report: Report[ProtectiveCause] | None) -> None:
         """
         Let the robot stand while a scan shows something in the way.
 
         :param report: ``Report`` of that; None where the way is clear.
         """
-        if report is not self._protective_report:
-            self._protective_report = report
-            self._hold_without_map()
+        self._supervisor.protect(report)
 
     def _hold_without_map(self) -> None:
-        """Let the robot stand while a map cannot be relied on, or something is in the way."""
+        """Let the robot stand while a map cannot be relied on."""
         fault = self._floor.fault
-        self._supervisor.hold(TaskEvent.NO_USABLE_MAP.report(map_fault=fault) if fault
-                              else self._protective_report)
+        self._supervisor.hold(TaskEvent.NO_USABLE_MAP.report(map_fault=fault) if fault else None)
 
     def _take_map(self) -> None:
         """Use a map that was read."""

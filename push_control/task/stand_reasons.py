@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from push_control.goal import TaskFailure
 from push_control.perception.measurement_watch import MeasurementWatch
-from push_model.events import AnyReport, EventReport
+from push_model.events import AnyReport, EventReport, Report
 from push_safety.protective_field import ProtectiveCause
 from push_safety.status import SafetyReport
 
@@ -17,7 +17,7 @@ class StandCause(enum.Enum):
     # The base was stopped, or something was in its way: somebody has to let it go on.
     AWAITS_RESUME = 'awaits resume'
     SAFETY_STOP = 'safety stop'
-    # Something that is required is missing, as the map.
+    # Something that is required is missing, as the map, or a scan shows something in the way.
     HOLD = 'hold'
     # Measurements do not come, or cannot be used.
     MEASUREMENTS = 'measurements'
@@ -60,8 +60,9 @@ class StandReasons:
         self._stop: SafetyReport | None = None
         self._stopped_since = 0.0
         self._hold_report: AnyReport | None = None
-        # A hold that outlasts what it was for.
-        self._lasting_hold: AnyReport | None = None
+        self._protection: Report[ProtectiveCause] | None = None
+        # What was in the way, until somebody lets the robot go on.
+        self._obstruction: Report[ProtectiveCause] | None = None
         self._watch = MeasurementWatch()
         self._fault: EventReport | None = None
 
@@ -86,19 +87,27 @@ class StandReasons:
 
     def resume(self) -> None:
         """Forget what somebody was awaited for: here they are."""
-        self._lasting_hold = None
+        self._obstruction = None
         if self._stop is not None and self._stop.code.awaits_resume:
             self._stop = None
 
     def hold(self, report: AnyReport | None) -> None:
         """
-        Stand for as long as something is missing or in the way, or until ``resume``.
+        Stand for as long as something is missing.
 
         :param report: ``Report`` of what; None where nothing is.
         """
         self._hold_report = report
-        if report is not None and _awaits_resume(report):
-            self._lasting_hold = report
+
+    def protect(self, report: Report[ProtectiveCause] | None) -> None:
+        """
+        Stand for what a scan shows, or until ``resume`` where a person has to say that it is gone.
+
+        :param report: ``Report`` of it; None where the way is clear.
+        """
+        self._protection = report
+        if report is not None and report.code.awaits_resume:
+            self._obstruction = report
 
     def on_measurements(self, fault: EventReport | None, time: float) -> None:
         """
@@ -107,7 +116,7 @@ class StandReasons:
         :param fault: why not, or None where they can.
         :param time: now [s].
         """
-        if not (self._stop is None and self._hold_report is None and self._lasting_hold is None):
+        if self._stop is not None or self.holds:
             self.forget_measurements()
         else:
             self._fault = self._watch.update(fault, time)
@@ -121,10 +130,12 @@ class StandReasons:
     def holds(self) -> tuple[StandReason, ...]:
         """Reasons that no behaviour handles by itself, the one that counts first."""
         reasons: list[StandReason] = []
-        if self._lasting_hold is not None:
-            reasons.append(StandReason(StandCause.AWAITS_RESUME, self._lasting_hold))
-        if self._hold_report is not None and not _awaits_resume(self._hold_report):
+        if self._obstruction is not None:
+            reasons.append(StandReason(StandCause.AWAITS_RESUME, self._obstruction))
+        if self._hold_report is not None:
             reasons.append(StandReason(StandCause.HOLD, self._hold_report))
+        if self._protection is not None and not self._protection.code.awaits_resume:
+            reasons.append(StandReason(StandCause.HOLD, self._protection))
         return tuple(reasons)
 
     def all(self, time: float) -> tuple[StandReason, ...]:
@@ -153,8 +164,3 @@ class StandReasons:
         :param time: now [s].
         """
         return next(iter(self.all(time)), None)
-
-
-def _awaits_resume(report: AnyReport) -> bool:
-    """Tell whether what has stopped the robot may be gone, and a person has to say so."""
-    return isinstance(report.code, ProtectiveCause) and report.code.awaits_resume

@@ -20,6 +20,7 @@ from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.trajectory import PushTrajectory
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.settings import DriveSettings
+from push_safety.protective_field import ProtectiveCause
 from push_safety.status import SafetyReason, SafetyReport
 
 
@@ -229,6 +230,10 @@ class Supervisor(TaskExecution):
     def hold(self, cause: AnyReport | None) -> None:
         """Stand until the cause is None; the task goes on after it."""
         self._reasons.hold(cause)
+
+    def protect(self, report: Report[ProtectiveCause] | None) -> None:
+        """Stand for what a scan shows, as of ``StandReasons.protect``."""
+        self._reasons.protect(report)
 
     def on_safety_report(self, fault: SafetyReport | None, stop: SafetyReport | None) -> None:
         """

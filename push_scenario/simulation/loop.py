@@ -309,6 +309,6 @@ class ClosedLoop:
             protection = self._protective_field.decide(self._localizer.unexplained,
                                                        self._observation.odometry)
             self._safety.speed_limit = protection.speed_limit
-            robot.supervisor.hold(protection.report)
+            robot.supervisor.protect(protection.report)
         self._simulation.command(self._safety.guard(
             self._observation, robot, lambda checked: robot.step(checked, dt)))

@@ -60,10 +60,10 @@ def test_a_robot_under_way_stands_for_what_a_scan_shows(
     run, report = Run(factory), cause.report(restart_time=1.0, age=1.0)
     supervisor = run.supervisor
     assert run.drives()
-    supervisor.hold(report)
+    supervisor.protect(report)
     assert run.answer() == STOP and supervisor.cause is report
     assert not run.drives() and supervisor.cause is report
-    supervisor.hold(None)
+    supervisor.protect(None)
     if cause.awaits_resume:
         assert not run.drives() and supervisor.awaits_resume
         supervisor.resume()
@@ -76,7 +76,7 @@ def test_a_stop_hides_nothing_that_a_scan_shows(factory: type[BehaviorFactory]) 
     """A robot that may follow its commands again still stands for who is in its way."""
     run, report = Run(factory), ProtectiveCause.OBSTRUCTED.report(restart_time=1.0)
     run.supervisor.on_safety_report(LATE, LATE)
-    run.supervisor.hold(report)
+    run.supervisor.protect(report)
     assert not run.drives()
     run.supervisor.on_safety_report(None, None)
     assert not run.drives() and run.supervisor.cause is report
@@ -87,9 +87,9 @@ def test_a_single_push_sets_out_from_rest_after_a_hold_of_any_length() -> None:
     run = Run(SinglePushBehaviors)
     speeds = [run.step().v_x for _ in range(10)]
     assert speeds[0] < speeds[-1]
-    run.supervisor.hold(ProtectiveCause.NO_SCAN.report(age=1.0))
+    run.supervisor.protect(ProtectiveCause.NO_SCAN.report(age=1.0))
     run.step()
     run.time += 3600.0
     run.step()
-    run.supervisor.hold(None)
+    run.supervisor.protect(None)
     assert 0.0 < run.step().v_x <= speeds[1]

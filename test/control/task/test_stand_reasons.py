@@ -95,21 +95,21 @@ def test_somebody_who_is_awaited_may_take_their_time():
 def test_what_was_in_the_way_awaits_a_person_and_a_restart_by_itself_does_not() -> None:
     """Also once it is gone; a word that comes too early does not count."""
     reasons = StandReasons()
-    reasons.hold(PASSED)
-    reasons.hold(None)
+    reasons.protect(PASSED)
+    reasons.protect(None)
     assert causes(reasons) == [StandCause.AWAITS_RESUME]
     assert reasons.first(1e6).failure is None and reasons.first(1e6).report is PASSED
-    reasons.hold(PASSED)
+    reasons.protect(PASSED)
     reasons.resume()
     # It is seen again by the next scan.
-    reasons.hold(PASSED)
+    reasons.protect(PASSED)
     assert causes(reasons) == [StandCause.AWAITS_RESUME]
-    reasons.hold(None)
+    reasons.protect(None)
     reasons.resume()
     assert reasons.first(0.0) is None
-    reasons.hold(IN_THE_WAY)
+    reasons.protect(IN_THE_WAY)
     assert causes(reasons) == [StandCause.HOLD]
-    reasons.hold(None)
+    reasons.protect(None)
     assert reasons.first(0.0) is None
 
 

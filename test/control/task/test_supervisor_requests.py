@@ -184,14 +184,14 @@ def test_a_robot_whose_way_was_blocked_stands_until_a_person_lets_it_go_on(
     """A way that is clear again is not enough; cancelled meanwhile, it stands where it is."""
     task = StuckTask()
     task.drive_until(TaskState.APPROACH, delay=0.3)
-    task.supervisor.hold(PASSED)
+    task.supervisor.protect(PASSED)
     task.step()
-    task.supervisor.hold(None)
+    task.supervisor.protect(None)
     assert {task.step() for _ in range(40)} == {STOP}
     assert task.supervisor.awaits_resume and task.supervisor.cause is PASSED
     ask(task.supervisor)
     task.drive_until(TaskState.PUSH, delay=0.2)
-    task.supervisor.hold(PASSED)
+    task.supervisor.protect(PASSED)
     task.supervisor.cancel(CANCELLED)
     assert task.supervisor.state is TaskState.IDLE
 
