@@ -35,6 +35,21 @@ class Observation(NamedTuple):
     is_bumper_pressed: Optional[bool] = None
     refusal: Optional[EventReport] = None
 
+    def earlier(self, duration: float) -> 'Observation':
+        """
+        Return the same, measured earlier.
+
+        :param duration: by how much [s].
+        """
+        if duration == 0.0:
+            return self
+        pose, place = self.object_pose, self.place
+        return self._replace(
+            time=self.time - duration,
+            odometry=self.odometry._replace(time=self.odometry.time - duration),
+            object_pose=None if pose is None else pose._replace(time=pose.time - duration),
+            place=None if place is None else place._replace(time=place.time - duration))
+
     @property
     def stamps(self) -> Stamps:
         """``Stamps``, which tell two observations apart."""

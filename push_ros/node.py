@@ -164,6 +164,12 @@ class PushNode(PolledNode):
         """Return the present time of the node."""
         return self.get_clock().now().to_msg()
 
+    def running_time(self) -> float:
+        """Return a time that nobody sets: steady, or simulated where that is used [s]."""
+        clock: Any = self.get_clock()
+        is_simulated = clock.ros_time_is_active
+        return clock.now().nanoseconds * 1e-9 if is_simulated else time.monotonic()
+
     def further_parameters(self, values: Mapping[str, Any]) -> Mapping[str, Any]:
         """
         Find the parameters that have to be set together with others.

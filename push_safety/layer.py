@@ -131,8 +131,13 @@ class SafetyLayer:
         self._motion_check.interrupt()
         self._identifier.forget()
 
-    def excuse_gap(self) -> None:
-        """Note that the stamps of odometry go on at another time: it was not missing."""
+    def excuse_gap(self, duration: float) -> None:
+        """
+        Note that the stamps of odometry go on at a later time: it was not missing.
+
+        :param duration: by how much later, beside what has passed [s].
+        """
+        self._stop.excuse(duration)
         # As before the first command.
         self._expects_odometry = False
 

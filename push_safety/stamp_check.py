@@ -32,10 +32,15 @@ class StampVerdict(enum.Enum):
 
 
 class StampCheck:
-    """Compares stamps with the time of odometry, and that with a steady clock."""
+    """
+    Compares stamps with the time of odometry, and that with a steady clock.
+
+    ``ahead``: by how much time last went ahead, beside what has passed on the steady clock [s].
+    """
 
     def __init__(self) -> None:
         """Start before the first message."""
+        self.ahead = 0.0
         # Stamp of the newest odometry, and when it came on the steady clock [s]; stamp of the
         # first one, and time between the last two [s].
         self._time: float | None = None
@@ -62,6 +67,7 @@ class StampCheck:
         if not self._has_time_changed():
             return StampVerdict.REFUSED
         went_back = self._first_candidate < before
+        self.ahead = max(0.0, stamp - before - (now - self._received))
         self._time = None
         self._accept(stamp, now)
         return StampVerdict.TIME_WENT_BACK if went_back else StampVerdict.TIME_WENT_AHEAD

@@ -64,6 +64,17 @@ class SafetyStop:
         self._standstill.reset()
         self._released_at = -math.inf
 
+    def excuse(self, duration: float) -> None:
+        """
+        Note that clocks were set ahead: nobody has stood for that time.
+
+        :param duration: by how much [s].
+        """
+        if self._at_rest_since is not None:
+            self._at_rest_since += duration
+        self._released_at += duration
+        self._standstill.excuse(duration)
+
     def explain(self) -> None:
         """Note that it is known by now how the base moves: another stop is no relapse."""
         self._released_at = -math.inf
@@ -146,6 +157,13 @@ class _Standstill:
         self._since: float | None = None
         # Since when it moves as commanded after that [s], or None.
         self._moving_since: float | None = None
+
+    def excuse(self, duration: float) -> None:
+        """Leave out a time that has not passed [s]."""
+        if self._since is not None:
+            self._since += duration
+        if self._moving_since is not None:
+            self._moving_since += duration
 
     def on_stop(self, fault: SafetyReport, time: float, *, is_at_rest: bool) -> None:
         """Note that the robot is stopped, as it does not follow."""

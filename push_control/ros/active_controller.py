@@ -264,28 +264,43 @@ class ActiveController:
         """Receive, check, decide, guard, send."""
         try:
             measured = receive(message, self._parameters.frames.world_frame)
-            self._check(measured, message)
+            has_gap = self._check(measured, message)
         except MessageRefused as error:
             self._refuse_measurement(error, message)
             return
-        command = self._decide_guarded(measured)
+        command = self._decide_guarded(measured, has_gap=has_gap)
         self._send(command, message.header.stamp)
         self._report()
 
-    def _check(self, measured: AnyMeasurement, message: Any) -> None:
-        """Refuse a stamp that is off; start over where time went back."""
+    def _check(self, measured: AnyMeasurement, message: Any) -> bool:
+        """
+        Refuse a stamp that is off; start over where time went back, go on where it went ahead.
+
+        :return: whether nothing had come for long, so that the robot was stopped.
+        """
         news = self._gate.check(measured, message)
         if news.has_gap:
             # What was sent meanwhile may be lost.
             self.pursuit.renew_request()
         if news.went_back:
             self._start_over(WARN, TaskEvent.TIME_WENT_BACK.report())
+        if news.ahead:
+            for each in (self._latest, self.goals, self.pursuit):
+                each.on_time_ahead(news.ahead)
+        return news.has_gap
 
-    def _decide_guarded(self, measured: AnyMeasurement) -> Twist:
-        """Let the pursuit decide between the two sides of the guard."""
+    def _decide_guarded(self, measured: AnyMeasurement, *, has_gap: bool) -> Twist:
+        """
+        Let the pursuit decide between the two sides of the guard.
+
+        :param has_gap: as of ``_check``.
+        """
         dt = 0.0
         if isinstance(measured, (Odometry, ObjectPose)):
             dt = self._latest.add(measured)
+        if has_gap:
+            # The robot has driven for no longer.
+            dt = min(dt, self._parameters.options.watchdog_timeout)
         self._placing.update(measured, self._latest.object_pose)
         self.goals.update(self._latest.time)
         observation = self._latest.observation

@@ -39,10 +39,12 @@ class StampNews(NamedTuple):
 
     :param went_back: whether everything before it is of another time, and is to be forgotten.
     :param has_gap: whether nothing had come for so long that messages may have been lost.
+    :param ahead: by how much clocks were set ahead [s]; 0 for not at all.
     """
 
     went_back: bool
     has_gap: bool
+    ahead: float = 0.0
 
 
 class CommandGate:
@@ -110,7 +112,7 @@ class CommandGate:
         if verdict is StampVerdict.TIME_WENT_AHEAD:
             self._node.get_logger().warning(
                 f'odom: time went ahead by {difference:.2f} s; goes on at the new one')
-            self._layer.excuse_gap()
+            self._layer.excuse_gap(self._stamps.ahead)
         has_gap = False
         if is_odometry:
             is_new = self._newest_stamp is None or measured.time > self._newest_stamp
@@ -122,7 +124,9 @@ class CommandGate:
             if is_new and not self._is_lockstep:
                 has_gap = self._note_gap(clock, now)
             self._watchdog.feed(nanoseconds(message.header.stamp), clock, now)
-        return StampNews(verdict is StampVerdict.TIME_WENT_BACK, has_gap)
+        return StampNews(
+            verdict is StampVerdict.TIME_WENT_BACK, has_gap,
+            self._stamps.ahead if verdict is StampVerdict.TIME_WENT_AHEAD else 0.0)
 
     def _stamp_fault(self, topic: str, difference: float) -> str:
         """Describe a stamp that is off by some time [s], and who may be to blame."""

@@ -71,7 +71,7 @@ class GoalHandle:
         self.last_feedback = GoalFeedback(GoalProgress(), 0.0, goal.time_limit)
         # How it ends as soon as the robot stands.
         self.pending_outcome: GoalOutcome | None = None
-        # By the clock of the node [s].
+        # As of ``PushNode.running_time`` [s].
         self.taken_at = 0.0
         # Time of the first measurement after it was taken [s].
         self.start_time: float | None = None
@@ -234,6 +234,16 @@ class GoalEntry:
             self._update_current(self._current, time)
         self._start_next()
 
+    def on_time_ahead(self, duration: float) -> None:
+        """
+        Note that clocks were set ahead: that takes no time of a goal.
+
+        :param duration: by how much [s].
+        """
+        current = self._current
+        if current is not None and current.start_time is not None:
+            current.start_time += duration
+
     def _update_current(self, current: GoalHandle, time: float) -> None:
         if current.start_time is None:
             current.start_time = time
@@ -250,13 +260,13 @@ class GoalEntry:
         """
         Notice that the present goal has ended while no odometry comes, or that its time is over.
 
-        The robot cannot back off then. The time is that of the node's clock since the goal was
-        taken.
+        The robot cannot back off then. The time is that since the goal was taken, whatever clocks
+        were set to meanwhile.
         """
         current = self._current
         if current is not None:
             current.elapsed_time = max(current.elapsed_time,
-                                       seconds(self._node.now()) - current.taken_at)
+                                       self._node.running_time() - current.taken_at)
             if current.pending_outcome is None and current.elapsed_time > current.goal.time_limit:
                 self._abandon(current, GoalOutcome.TIMED_OUT)
             if current.pending_outcome is not None:
@@ -282,7 +292,7 @@ class GoalEntry:
     def _start(self, handle: GoalHandle) -> None:
         goal = handle.goal
         self._current = handle
-        handle.taken_at = seconds(self._node.now())
+        handle.taken_at = self._node.running_time()
         self._node.reporter.log(OK, f'has a goal at {goal.pose.x:.3f} m, {goal.pose.y:.3f} m, '
                                     f'{goal.pose.theta:.3f} rad')
         self._pursuit.set_goal(goal)

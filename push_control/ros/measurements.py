@@ -76,6 +76,16 @@ class LatestMeasurements:
         self._place_relative()
         return self.time - before
 
+    def on_time_ahead(self, duration: float) -> None:
+        """
+        Note that clocks were set ahead: what was measured is no older for that.
+
+        :param duration: by how much [s].
+        """
+        self.time += duration
+        if self.object_pose is not None:
+            self.object_pose = self.object_pose._replace(time=self.object_pose.time + duration)
+
     def add_bumper(self, is_pressed: bool) -> None:
         """Note whether the bumper is pressed, which counts with the next odometry."""
         self._bumper.add(is_pressed)

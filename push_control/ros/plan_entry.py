@@ -158,6 +158,10 @@ class PlanEntry:
             supervisor.on_plan_overdue(silence)
             self._note_refusal(silence)
 
+    def on_time_ahead(self, duration: float) -> None:
+        """Note that clocks were set ahead, as of ``PlanRequester.on_time_ahead``."""
+        self._requester.on_time_ahead(duration)
+
     def update(self, time: float) -> None:
         """
         Publish a request that is new.

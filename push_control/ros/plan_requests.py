@@ -88,6 +88,15 @@ class PlanRequester:
         """
         return self._request is not None and self._now(time) - self._requested_at > timeout
 
+    def on_time_ahead(self, duration: float) -> None:
+        """
+        Note that clocks were set ahead: nobody has waited for that time.
+
+        :param duration: by how much [s].
+        """
+        if self._is_lockstep:
+            self._requested_at += duration
+
     def report_silence(self, timeout: float) -> Report[TaskEvent]:
         """
         Report who has not answered.

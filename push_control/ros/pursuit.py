@@ -148,6 +148,8 @@ class GoalPursuit:
         self._hold_without_map()
         self._stand_if_stopped()
         self._observation: Observation | None = None
+        # By how much clocks were set ahead, for which the supervisor's does not count [s].
+        self._skipped_time = self._reporter.skipped_time = 0.0
         self._plans.reset(self._supervisor)
         self.report_again()
 
@@ -206,6 +208,16 @@ class GoalPursuit:
         :param stop: why the robot is stopped, or None where it may move.
         """
         self._supervisor.on_safety_report(fault, stop)
+
+    def on_time_ahead(self, duration: float) -> None:
+        """
+        Note that clocks were set ahead: no limit of time is over for that.
+
+        :param duration: by how much [s].
+        """
+        self._skipped_time += duration
+        self._plans.on_time_ahead(duration)
+        self._reporter.skipped_time = self._skipped_time
 
     # Goals and parameters.
 
@@ -382,7 +394,7 @@ class GoalPursuit:
 
         :param dt: time since the last one [s].
         """
-        self._observation = observation
+        self._observation = observation.earlier(self._skipped_time)
         self._plans.check(observation, is_started=self.is_started)
         self._floor.record(observation)
         if self._floor.is_busy:
@@ -390,7 +402,7 @@ class GoalPursuit:
                 self._take_map()
             except MessageRefused as error:
                 self._reporter.warn(str(error), observation)
-        command = self._supervisor.step(observation, dt)
+        command = self._supervisor.step(self._observation, dt)
         self._clear_footprints()
         self._plans.update(observation.time)
         knowledge = self._supervisor.perception.knowledge

@@ -21,7 +21,12 @@ REPORT_RATE = 1.0
 
 
 class TaskReporter:
-    """Reports every change of state, and draws object, robot, plan and state."""
+    """
+    Reports every change of state, and draws object, robot, plan and state.
+
+    ``skipped_time``: by how much clocks were set ahead, for which that of the supervisor does not
+    count [s].
+    """
 
     def __init__(self, node: PushNode, scene: ScenePublisher) -> None:
         """Start without reports."""
@@ -29,6 +34,7 @@ class TaskReporter:
         self._scene = scene
         self._reporter = node.reporter
         self._history: tuple[StateChange, ...] = ()
+        self.skipped_time = 0.0
         self.report_again()
 
     def report_again(self) -> None:
@@ -119,8 +125,9 @@ class TaskReporter:
         self._reported = change.state, change.reason
         values = {
             'time': time, 'state': change.state.value, 'reason': change.reason,
-            'codes': code_text(change.codes), 'since': change.time, 'pushes': status.pushes,
-            'recoveries': status.recoveries, 'robot_pose': status.robot_pose}
+            'codes': code_text(change.codes), 'since': change.time + self.skipped_time,
+            'pushes': status.pushes, 'recoveries': status.recoveries,
+            'robot_pose': status.robot_pose}
         if status.goal_deviation is not None:
             values['position_deviation'], values['heading_deviation'] = status.goal_deviation
         values.update({f'push.{key}': value for key, value in status.push.values().items()})

@@ -28,7 +28,7 @@ class Robot:
         self.start_state = StartState.STARTED
         self.progress = GoalProgress()
         self.goals = []
-        self.now = 100.0
+        self.now, self.clock_offset = 100.0, 0.0
 
     def set_goal(self, goal):
         """Pursue a goal."""
@@ -54,7 +54,8 @@ def goals(robot):
     """Make the entry of goals."""
     node = SimpleNamespace(reporter=SimpleNamespace(log=lambda *_: None),
                            get_logger=lambda: logging.getLogger('goals'),
-                           now=lambda: to_stamp(robot.now))
+                           now=lambda: to_stamp(robot.now + robot.clock_offset),
+                           running_time=lambda: robot.now)
     return GoalEntry(node, robot, 'odom', is_lockstep=False)
 
 
@@ -112,8 +113,24 @@ def test_a_cancelled_goal_ends_where_odometry_is_lost(goals, robot):
     assert handle.cause.code is TaskEvent.ODOMETRY_LOST
 
 
+def test_a_clock_that_is_set_ahead_takes_no_time_of_a_goal(goals, robot):
+    """Its limit is one of time that has passed."""
+    handle = goals.start(dataclasses.replace(FIRST, time_limit=120.0))
+    goals.update(100.0)
+    goals.update(110.0)
+    # Its odometry is refused for some seconds.
+    robot.clock_offset, robot.now = 3600.0, robot.now + 12.0
+    goals.on_odometry_lost()
+    assert handle.pending_outcome is None and handle.elapsed_time == pytest.approx(12.0)
+    goals.on_time_ahead(3600.0)
+    for elapsed, outcome in ((13.0, None), (119.0, None), (121.0, GoalOutcome.TIMED_OUT)):
+        goals.update(100.0 + 3600.0 + elapsed)
+        assert handle.elapsed_time == pytest.approx(elapsed)
+        assert handle.pending_outcome is outcome
+
+
 def test_time_passes_where_odometry_is_lost(goals, robot):
-    """By the clock of the node, from the goal on; the goal for another object begins then."""
+    """From the goal on; the goal for another object begins then."""
     handle = goals.start(dataclasses.replace(FIRST, time_limit=5.0))
     robot.now += 4.0
     goals.on_odometry_lost()

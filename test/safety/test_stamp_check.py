@@ -55,6 +55,8 @@ def test_a_clock_that_comes_back_has_never_been_away(off, pace):
     assert set(running(check, 107.0, 100, now)) == {ACCEPTED}
     found = running(check, 109.0 + off, 200, now + 2.0)
     assert found.index(BACK if off < 0.0 else AHEAD) == 150 and found[-1] is ACCEPTED
+    # At any pace time has passed meanwhile, too.
+    assert off < 0.0 or off - 0.02 <= check.ahead <= off + 3.1
 
 
 def test_a_clock_that_begins_again_and_catches_up_has_gone_back():

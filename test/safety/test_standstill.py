@@ -16,6 +16,7 @@ from push_model.observation import Observation
 from push_model.signals import ObjectPose, Odometry, STOP, Twist
 from push_safety.layer import SafetyLayer
 from push_safety.status import SafetyReason
+from push_safety.stop import SafetyStop
 from push_scenario.definition.loader import load_scenario
 import pytest
 
@@ -121,10 +122,27 @@ def test_a_clock_that_jumps_is_no_gap() -> None:
     layer = SafetyLayer(SCENARIO.robot, SCENARIO.object, standstill_limit=LIMIT)
     for time in (0.0, PERIOD, 100.0):
         if time == 100.0:
-            layer.excuse_gap()
+            layer.excuse_gap(100.0)
         layer.observe(Odometry(time, Pose(0.0, 0.0, 0.0), STOP))
         layer.filter(STOP, time)
     assert layer.report is None
+
+
+@pytest.mark.parametrize('jump', [0.0, 3600.0])
+def test_a_clock_that_is_set_ahead_lets_no_base_stand_for_longer(jump: float) -> None:
+    """A person is awaited after the same time."""
+    stop = SafetyStop(LIMIT)
+    fault = SafetyReason.NOT_MOVING.report()
+    waited = []
+    for i in range(round(2.0 * LIMIT / PERIOD)):
+        time = i * PERIOD
+        if time == 50 * PERIOD:
+            stop.excuse(jump)
+        shift = jump if time >= 50 * PERIOD else 0.0
+        stop.observe(Odometry(time + shift, Pose(0.0, 0.0, 0.0), STOP),
+                     fault if i == 0 else None, 0.0)
+        waited.append(stop.awaits_resume)
+    assert waited.index(True) == pytest.approx(LIMIT / PERIOD, abs=1.5)
 
 
 def supervisor() -> Supervisor:
