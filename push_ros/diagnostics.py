@@ -11,8 +11,6 @@ from builtin_interfaces.msg import Time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from push_model.geometry import Pose
 from push_ros.conversions.primitives import seconds
-from rclpy.clock import Clock
-from rclpy.clock_type import ClockType
 from rclpy.node import Node
 
 OK = DiagnosticStatus.OK
@@ -130,8 +128,6 @@ class Reporter:
         self._reported: dict[str, float] = {}
         # Errors have a throttle of their own: nothing else keeps them out.
         self._throttles = {is_error: LogThrottle() for is_error in (False, True)}
-        # On the wall clock, so that late subscribers receive it, even while time is held.
-        node.create_timer(PERIOD, self._repeat, clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def report(self, level: bytes, text: str, values: Mapping[str, Any] | None = None,
                always: bool = False) -> None:
@@ -187,7 +183,8 @@ class Reporter:
             message.header.stamp = self._now()
             self._publisher.publish(message)
 
-    def _repeat(self) -> None:
+    def repeat(self) -> None:
+        """Publish the status again, and log what waits; called once per ``PERIOD``."""
         self.publish()
         for throttle in self._throttles.values():
             line = throttle.release(self._times)

@@ -9,7 +9,7 @@ from typing import Any, Awaitable, Callable, Mapping, NamedTuple, NoReturn, Sequ
 from builtin_interfaces.msg import Time
 from push_ros import qos
 from push_ros.conversions.serialized import message_reader
-from push_ros.diagnostics import ERROR, Reporter
+from push_ros.diagnostics import ERROR, PERIOD, Reporter
 from push_ros.executor import (
     BackgroundGroup, PolledNode, StartRefused, take_message, without_location,
 )
@@ -133,6 +133,9 @@ class PushNode(PolledNode):
             self.refuse_to_start(f'{error} (give parameters with --params-file; config/push.yaml '
                                  'is an example)')
         self.reporter = Reporter(self, self.publisher('diagnostics'), self.now)
+        # On the wall clock, so that late subscribers receive it, even while time is held.
+        self.create_timer(PERIOD, self.guarded(self.reporter.repeat),
+                          clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     def _warn_of_missed_sections(self, usual_name: str) -> None:
         """Tell a user who has renamed the node that its section in a file was not."""
@@ -257,12 +260,11 @@ class PushNode(PolledNode):
             read = message_reader(kind, frame)
         if read is not None:
             callback = self._reading(topic, callback, read)
-        callback = self.guarded(callback)
         group = self.real_time if real_time else self.background
         is_best_effort = entry.subscribe_qos.reliability is ReliabilityPolicy.BEST_EFFORT
         subscription = self.create_subscription(
-            kind, topic_of_object(topic, object_name), callback, entry.subscribe_qos,
-            callback_group=group,
+            kind, topic_of_object(topic, object_name), self.guarded(callback),
+            entry.subscribe_qos, callback_group=group,
             event_callbacks=NO_EVENTS if is_best_effort else None, raw=read is not None)
         self.topic_subscriptions.append((topic, subscription))
         if real_time:

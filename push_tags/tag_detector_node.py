@@ -80,7 +80,8 @@ class TagDetectorNode(PushNode):
         else:
             self._image_topic = 'image_raw'
             self.subscribe(self._image_topic, self._reader(from_image_message))
-        self.create_timer(PERIOD, self._look_after, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        self.create_timer(PERIOD, self.guarded(self._look_after),
+                          clock=Clock(clock_type=ClockType.STEADY_TIME))
         self.reporter.report(OK, 'waits for images')
 
     def _on_camera_info(self, message: Any) -> None:

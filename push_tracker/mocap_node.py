@@ -63,7 +63,8 @@ class MocapNode(PushNode):
                 self.refuse_to_start(NOT_INSTALLED)
         else:
             self.subscribe('robot_pose', self._on_pose)
-        self.create_timer(PERIOD, self._look_after, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        self.create_timer(PERIOD, self.guarded(self._look_after),
+                          clock=Clock(clock_type=ClockType.STEADY_TIME))
         self.reporter.report(OK, f'waits for {self._source}')
 
     def _on_pose(self, message: Any) -> None:

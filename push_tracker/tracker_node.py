@@ -76,7 +76,8 @@ class TrackerNode(PushNode):
         listener = TransformListener(self, self._buffer, self._on_transforms)
         if not listener.is_installed:
             self.refuse_to_start(NOT_INSTALLED)
-        self.create_timer(PERIOD, self._look_after, clock=Clock(clock_type=ClockType.STEADY_TIME))
+        self.create_timer(PERIOD, self.guarded(self._look_after),
+                          clock=Clock(clock_type=ClockType.STEADY_TIME))
         self.reporter.report(OK, f'waits for transforms of {", ".join(self._frames)}')
 
     def _on_transforms(self) -> None:

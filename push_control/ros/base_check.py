@@ -65,7 +65,7 @@ class BaseCheck:
         self._looked_at = 0.0
         if settings.node:
             self._client = node.create_client(GetParameters, f'{settings.node}/get_parameters')
-            self._timer = node.create_timer(PERIOD, self._look,
+            self._timer = node.create_timer(PERIOD, node.guarded(self._look),
                                             clock=Clock(clock_type=ClockType.STEADY_TIME))
             self._timer.cancel()
 

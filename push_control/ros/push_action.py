@@ -100,7 +100,7 @@ class PushActionServer:
         self._status_publisher = node.create_publisher(interfaces.status, STATUS, qos.LATCHED)
         self._server = DeferringActionServer(
             node, interfaces.action, ACTION, goal_callback=self._answer_goal,
-            handle_accepted_callback=self._on_goal, cancel_callback=self._on_cancel)
+            handle_accepted_callback=node.guarded(self._on_goal), cancel_callback=self._on_cancel)
 
     def set_object(self, name: str) -> None:
         """
@@ -216,13 +216,13 @@ class PushActionServer:
         executor = self._node.executor
         if executor is None:
             return CancelResponse.REJECT
-        executor.create_task(self._cancel, handle)
+        executor.create_task(self._node.guarded(self._cancel), handle)
         return CancelResponse.ACCEPT
 
     def _cancel(self, handle: ServerGoalHandle) -> None:
         if handle is self._current:
             self._goals.cancel()
-        elif handle.is_active:
+        else:
             # Its pose has not come to the world frame yet, or the base is being checked.
             self._finish(handle, 'NONE', 'cancelled', self._unmeasured_result())
 
@@ -246,7 +246,9 @@ class PushActionServer:
 
     def _finish(self, handle: ServerGoalHandle, code: str, text: str, result: Any, *,
                 is_reached: bool = False) -> None:
-        """End a goal of a client."""
+        """End a goal of a client, unless it has ended: it may be cancelled while it waits."""
+        if not handle.is_active:
+            return
         result.error_code = getattr(self._interfaces.action.Result, code)
         result.error_msg = text
         if is_reached:

@@ -55,7 +55,8 @@ class TransformListener:
         for is_static, topic, quality in ((False, DYNAMIC_TOPIC, DYNAMIC_QOS),
                                           (True, STATIC_TOPIC, STATIC_QOS)):
             self._subscriptions[is_static] = node.create_subscription(
-                kind, topic, self._on_static if is_static else self._on_dynamic, quality,
+                kind, topic,
+                node.guarded(self._on_static if is_static else self._on_dynamic), quality,
                 callback_group=node.background)
 
     def take(self) -> None:

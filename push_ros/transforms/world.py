@@ -205,7 +205,7 @@ class WorldFrame:
 
     def _listen(self) -> TransformListener:
         # On the wall clock: a message waits for what comes over the network.
-        self._node.create_timer(PERIOD, self._look_after,
+        self._node.create_timer(PERIOD, self._node.guarded(self._look_after),
                                 clock=Clock(clock_type=ClockType.STEADY_TIME))
         self._discovery_end = time.monotonic() + DISCOVERY_TIME
         return TransformListener(self._node, self._buffer, self._hand_on_waiting)

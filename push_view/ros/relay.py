@@ -38,7 +38,8 @@ class CommandRelay:
             self._goals = node.publisher('goal_pose')
             self._clients = {name: node.create_client(Trigger, f'controller/{name}')
                              for name in CALLS}
-            node.create_timer(PERIOD, self._relay, clock=Clock(clock_type=ClockType.STEADY_TIME))
+            node.create_timer(PERIOD, node.guarded(self._relay),
+                              clock=Clock(clock_type=ClockType.STEADY_TIME))
 
     async def handle(self, text: str) -> None:
         """

@@ -15,6 +15,7 @@ RULES = {
     'clocks': architecture.clocks_and_dice,
     'signature': architecture.long_signatures,
     'words': architecture.old_words,
+    'guard': architecture.unguarded_callbacks,
     'version': lambda root: architecture.versions_written_again(root, VERSION),
     'machine': architecture.machine_bound,
 }
@@ -59,6 +60,8 @@ OFFENCES = [
     ('signature', {'push_model/a.py': 'def f(a, b, c, d, e, f, g):\n    pass'}),
     ('signature', {'push_model/a.py': 'class A:\n    def f(self, a, b, c, d, e, f, g=1):\n'
                                       '        pass'}),
+    ('guard', {'push_ros/a.py': 'self.create_timer(0.1, self._look)'}),
+    ('guard', {'push_control/ros/a.py': "node.create_subscription(A, 'a', node.b(look), 1)"}),
     ('words', {'push_model/a.py': 'robot_way = 1'}),
     ('words', {'push_model/a.py': 'class ChainHunt:\n    pass'}),
     ('words', {'push_model/a.py': 'def f(wanted):\n    pass'}),
@@ -78,7 +81,9 @@ GOOD = {
     'push_planner/a.py': 'from push_model import a, b\n',
     'push_control/controller_node.py': 'import rclpy\nfrom push_ros.run import spin\n',
     'push_control/ros/pursuit.py': 'import rclpy\nimport push_ros.run\n',
-    'push_ros/run.py': 'import time\nimport rclpy\nfrom push_model import a\n',
+    'push_ros/run.py': 'import time\nimport rclpy\nfrom push_model import a\n'
+                       'node.create_timer(0.1, node.guarded(a))\n'
+                       "node.create_subscription(A, 'a', _ignore, 1)\n",
     'push_scenario/dds/replay.py': 'import push_ros.run\n',
     'push_scenario/cli.py': 'import time\ndef f():\n    import push_scenario.dds.replay\n',
     'push_scenario/tape.py': 'import push_planner.a\n',

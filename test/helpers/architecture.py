@@ -45,6 +45,8 @@ LAUNCH = {'launch', 'launch_ros'}
 TOP_MODULES = {'__init__.py', 'catalogue.py', 'gallery.py'}
 # Positional parameters, self aside; what needs more takes keywords or a value that names them.
 MAX_POSITIONAL = 6
+# Positions of the callbacks of what a node waits for.
+CALLBACK_PLACES = {'create_timer': 1, 'create_subscription': 2}
 WORD = re.compile(r'[A-Z]?[a-z]+|[A-Z]+(?![a-z])')
 WORDED = ('push_*/**/*.py', 'studies/**/*.py', 'benchmarks/**/*.py', 'examples/*.py',
           'docs/tools/*.py', 'config/**/*.yaml')
@@ -289,6 +291,23 @@ def old_words(root):
         else:
             keys = re.findall(r'(?m)^[\s-]*(\w+):', (root / path).read_text(encoding='utf-8'))
             wrong += [f'{path}: {key}' for key in keys if words_of(key) & OLD_WORDS]
+    return wrong
+
+
+def unguarded_callbacks(root):
+    """Find timers and subscriptions whose errors would end the node."""
+    wrong = []
+    for module in filter(is_shell, modules(root)):
+        for node in ast.walk(parse(root, module)):
+            name = node.func.attr if (isinstance(node, ast.Call)
+                                      and isinstance(node.func, ast.Attribute)) else ''
+            place = CALLBACK_PLACES.get(name)
+            if place is None or len(node.args) <= place:
+                continue
+            callback = node.args[place]
+            called = dotted_name(callback.func) if isinstance(callback, ast.Call) else ''
+            if not called.endswith('.guarded') and dotted_name(callback) != '_ignore':
+                wrong.append(f'{module}:{node.lineno} {name}: its callback is not guarded')
     return wrong
 
 
