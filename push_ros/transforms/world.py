@@ -157,6 +157,7 @@ class WorldFrame:
             of_topic = [item for item in self._waiting if item.topic == topic]
             if len(of_topic) > MAX_WAITING:
                 self._waiting.remove(of_topic[0])
+                self._drop(of_topic[0])
 
     def in_world(self, topic: str, message: Any) -> Any:
         """
@@ -200,8 +201,19 @@ class WorldFrame:
 
     def reset(self) -> None:
         """Forget what is waiting and how frames have moved, as when time went back."""
-        self._waiting = [item for item in self._waiting if item.handlers.is_latched]
+        waiting = self._waiting
+        self._waiting = [item for item in waiting if item.handlers.is_latched]
         self._buffer.clear()
+        for item in waiting:
+            if not item.handlers.is_latched:
+                self._drop(item)
+
+    def _drop(self, waiting: _Waiting) -> None:
+        """Refuse a goal that waits no more, as somebody waits for its end; drop measurements."""
+        topic, message, handlers = waiting[:3]
+        if handlers.move is not None:
+            handlers.refuse(self._refusal(topic, message, 'it was dropped while it waited'),
+                            message)
 
     def _listen(self) -> TransformListener:
         # On the wall clock: a message waits for what comes over the network.

@@ -21,7 +21,7 @@ from push_ros.conversions.primitives import to_pose_message, to_stamp
 from push_ros.push_interfaces import PushInterfaces
 from push_ros.transforms import world
 from push_ros.transforms.buffer import TransformBuffer
-from push_ros.transforms.world import Handlers, WorldFrame
+from push_ros.transforms.world import Handlers, MAX_WAITING, WorldFrame
 import pytest
 
 BOX = read_object(config_file('objects/box_04.yaml'))
@@ -191,3 +191,17 @@ def test_a_replaced_goal_may_be_cancelled_while_the_robot_backs_off(stage: Stage
     assert stage.goals.current is not None and second.is_active
     stage.check_next_goal()
     assert second.end == 'aborted'
+
+
+@pytest.mark.parametrize('count', [1, MAX_WAITING + 1], ids=['forgotten', 'too many'])
+def test_a_goal_that_waits_for_its_transform_ends_with_a_result(
+        stage: Stage, count: int) -> None:
+    """Where everything is forgotten, as by a reset of time, or too many others wait, too."""
+    handles = [Handle() for _ in range(count)]
+    for handle in handles:
+        stage.offer(handle)
+    ended = [handle for handle in handles if not handle.is_active]
+    assert ended == handles[:max(0, count - MAX_WAITING)]
+    stage.world.reset()
+    assert {handle.end for handle in handles} == {'aborted'}
+    stage.check_next_goal()
