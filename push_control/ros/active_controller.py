@@ -121,7 +121,7 @@ class ActiveController:
         self._subscribe_place()
         node.subscribe('push_plan', self.on_plan, real_time=True)
         node.subscribe('goal_pose', world.receiver('goal_pose', Handlers(
-            self._on_goal, self._refuse_goal, self.goals.move)))
+            self._on_goal, self._refuse_goal, self.goals.move, is_offer=True)))
         node.subscribe('map', world.receiver('map', Handlers(
             lambda message: self._handle(self.pursuit.on_map, message), self._refuse_map,
             self.pursuit.move_map, is_latched=True)), read=map_reader(self._parameters.map))
@@ -364,14 +364,14 @@ class ActiveController:
         """Hand on a plan; the robot stops where it is refused."""
         self._handle(self.pursuit.on_plan, message, stops_on_refusal=True)
 
-    def _on_goal(self, message: Any) -> None:
+    def _on_goal(self, message: Any, follow: Callable[[], None]) -> None:
         """Start with a goal from a topic, once the base is ready for it."""
         def start(fault: BaseFault | None) -> None:
             self._report_base(fault)
             if fault is None:
                 self._catch_up()
                 try:
-                    self.goals.on_message(message)
+                    self.goals.on_message(message, follow)
                 except MessageRefused as error:
                     self._refuse_goal(error, message)
                 self._follow_up()
@@ -388,7 +388,7 @@ class ActiveController:
         """Hand on a goal pose in the world frame."""
         self._catch_up()
         self._world.receive(name, message, Handlers(receiver.accept, receiver.refuse,
-                                                    self.goals.move))
+                                                    self.goals.move, is_offer=True))
 
     def _refuse_goal(self, error: MessageRefused, message: Any) -> None:
         """Report a goal that cannot be used; the previous one stays."""

@@ -14,7 +14,7 @@ from push_control.events import TaskEvent
 from push_control.goal import GoalOutcome, GoalProgress, PushGoal
 from push_control.ros.start_state import StartState
 from push_model.events import AnyReport
-from push_model.geometry import Pose
+from push_model.geometry import Pose, wrap_angle
 from push_model.signals import ObjectPose
 from push_ros.conversions.measurements import from_object_pose_message
 from push_ros.conversions.primitives import MessageRefused, seconds
@@ -27,6 +27,9 @@ if TYPE_CHECKING:  # It is imported once the node has reported.
 # Difference between a goal's stamp and the clock of the node that is worth a line in the log [s];
 # chosen: longer than a message takes, shorter than what confuses an operator.
 NOTED_CLOCK_DIFFERENCE = 1.0
+# Difference of a repeated goal from the one that is pursued [m], [rad]; chosen: rounding, as both
+# follow the drift of their frame.
+REPETITION_TOLERANCE = 1e-6
 # Why a goal ends that is replaced.
 REPLACED = TaskEvent.GOAL_REPLACED.report()
 # Why the robot has not backed off from its object at the end of a goal.
@@ -97,6 +100,13 @@ class _NextGoal(NamedTuple):
     prepare: Callable[[], None]
 
 
+class _LaterGoal(NamedTuple):
+    """A goal that holds from the time of its pose on, and what is called once it is taken."""
+
+    pose: ObjectPose
+    follow: Callable[[], None]
+
+
 class GoalEntry:
     """Takes goals, one at a time, and notes how each of them ends."""
 
@@ -116,7 +126,7 @@ class GoalEntry:
         self._current: GoalHandle | None = None
         self._next: _NextGoal | None = None
         # Goals that hold from a later time on, in lockstep.
-        self._later: list[ObjectPose] = []
+        self._later: list[_LaterGoal] = []
 
     @property
     def frame(self) -> str:
@@ -139,33 +149,41 @@ class GoalEntry:
         is_stopped = self._pursuit.start_state is StartState.STOPPED
         return f'no goal is taken: {TaskEvent.STOPPED_BY_USER.report()}' if is_stopped else ''
 
-    def on_message(self, message: Any) -> None:
+    def on_message(self, message: Any, follow: Callable[[], None]) -> None:
         """
         Take a goal from a topic.
 
+        :param follow: called with nothing once it is taken: from then on ``move`` is for it.
         :raises MessageRefused: where it cannot be used; the previous goal stays.
         """
         if self.refusal:
             raise MessageRefused(f'goal_pose: {self.refusal}')
         goal = from_object_pose_message(message, self._frame, 'goal_pose')
         if self._is_lockstep and goal.time > self._time:
-            self._later = sorted([*self._later, goal])
+            self._later = sorted([*self._later, _LaterGoal(goal, follow)],
+                                 key=lambda later: later.pose)
             return
         self._note_clock_difference(message)
         if self._is_pursued(goal.pose):
             self._node.get_logger().debug('goal_pose: the goal that is pursued came again')
-            return
-        self.start(PushGoal(goal.pose))
+        else:
+            self.start(PushGoal(goal.pose))
+        follow()
 
     def _is_pursued(self, pose: Pose) -> bool:
         """Tell whether a goal is the present one, which some source repeats."""
         current = self._current
-        return (current is not None and current.pending_outcome is None and self._next is None
-                and self._pursuit.is_commanding and current.goal == PushGoal(pose))
+        if (current is None or current.pending_outcome is not None or self._next is not None
+                or not self._pursuit.is_commanding):
+            return False
+        difference = current.goal.pose.inverse() @ pose
+        return (current.goal == PushGoal(current.goal.pose)
+                and max(abs(difference.x), abs(difference.y), abs(wrap_angle(difference.theta)))
+                < REPETITION_TOLERANCE)
 
     def move(self, correction: Pose) -> None:
         """
-        Move the present goal with the frame that it is in.
+        Move the present goal with the frame that it is in, or the one that a start goes on to.
 
         :param correction: ``Pose`` that takes the previous goal to the new one,
             ``correction @ goal``.
@@ -173,10 +191,11 @@ class GoalEntry:
         if self._next is not None:
             goal = self._next.handle.goal
             self._next.handle.goal = dataclasses.replace(goal, pose=correction @ goal.pose)
-        elif self._current is not None:
+            return
+        if self._current is not None:
             goal = self._current.goal
             self._current.goal = dataclasses.replace(goal, pose=correction @ goal.pose)
-            self._pursuit.move_goal(correction)
+        self._pursuit.move_goal(correction)
 
     def start(self, goal: PushGoal, on_end: Callable[[GoalHandle], None] | None = None,
               prepare: Callable[[], None] | None = None) -> GoalHandle:
@@ -228,8 +247,10 @@ class GoalEntry:
         :param time: of the newest measurement [s].
         """
         self._time = time
-        while self._later and self._later[0].time <= time:
-            self.start(PushGoal(self._later.pop(0).pose))
+        while self._later and self._later[0].pose.time <= time:
+            later = self._later.pop(0)
+            self.start(PushGoal(later.pose.pose))
+            later.follow()
         if self._current is not None:
             self._update_current(self._current, time)
         self._start_next()

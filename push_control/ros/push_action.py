@@ -51,11 +51,12 @@ class GoalReceiver(NamedTuple):
     """
     Receiver of a goal pose in the world frame.
 
-    :param accept: takes the ``geometry_msgs/PoseStamped`` in the world frame.
+    :param accept: takes the ``geometry_msgs/PoseStamped`` in the world frame, and a function to be
+        called with nothing once the goal is taken.
     :param refuse: takes the ``MessageRefused`` and the message as it came.
     """
 
-    accept: Callable[[Any], None]
+    accept: Callable[[Any, Callable[[], None]], None]
     refuse: Callable[[MessageRefused, Any], None]
 
 
@@ -155,14 +156,14 @@ class PushActionServer:
             self._node.get_logger().error(f'{ACTION}: {reason}')
             self._finish(handle, code, reason, self._unmeasured_result())
 
-        def accept(message: Any) -> None:
-            self._check_base(lambda fault: start(message, fault))
+        def accept(message: Any, follow: Callable[[], None]) -> None:
+            self._check_base(lambda fault: start(message, follow, fault))
 
-        def start(message: Any, fault: BaseFault | None) -> None:
+        def start(message: Any, follow: Callable[[], None], fault: BaseFault | None) -> None:
             if not handle.is_active:
                 return
             if fault is None:
-                self._pursue(handle, message, refuse)
+                self._pursue(handle, message, follow, refuse)
             else:
                 refuse('INTERRUPTED' if fault.is_interrupted else 'ROBOT_NOT_READY', fault.reason)
         fault = self._goal_fault(request)
@@ -186,7 +187,7 @@ class PushActionServer:
             return 'INVALID_GOAL', str(error)
         return None
 
-    def _pursue(self, handle: ServerGoalHandle, message: Any,
+    def _pursue(self, handle: ServerGoalHandle, message: Any, follow: Callable[[], None],
                 refuse: Callable[[str, str], None]) -> None:
         request = handle.request
         if self._goals.refusal:
@@ -204,6 +205,7 @@ class PushActionServer:
             return
         self._goals.start(goal, lambda ended: self._on_end(handle, ended), prepare)
         self._current = handle
+        follow()
 
     def _preparation(self, name: str) -> Callable[[], None] | None:
         """Make what turns to the object of a goal; None where it is the present one."""

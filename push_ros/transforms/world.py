@@ -47,21 +47,25 @@ class Handlers(NamedTuple):
     """
     Handlers of a node for messages of a topic.
 
-    :param accept: takes the message, in the world frame.
+    :param accept: takes the message, in the world frame; of an offer also a function to be called
+        once it is taken, with nothing.
     :param refuse: takes the ``MessageRefused`` and the message as it came.
     :param move: of goals and maps, which hold from now on: takes the correction, a ``Pose`` by
         which the last accepted one is moved in the world (``correction @ pose``); None for
         measurements.
     :param is_latched: whether the last message holds until another comes, so that it is accepted
         even after it was refused for want of a transform.
+    :param is_offer: whether what is accepted may yet be refused, as goals are: ``move`` moves the
+        previous one until it is taken.
     :param accept_relative: takes the message in the base frame where it is in that frame, or in
         one that static transforms fix to it; None where such messages go to the world frame, too.
     """
 
-    accept: Callable[[Any], None]
+    accept: Callable[..., None]
     refuse: Callable[[MessageRefused, Any], None]
     move: Callable[[Pose], None] | None = None
     is_latched: bool = False
+    is_offer: bool = False
     accept_relative: Callable[[Any], None] | None = None
 
 
@@ -133,8 +137,7 @@ class WorldFrame:
             self._waiting = [item for item in self._waiting if item.topic != topic]
         frame = message.header.frame_id.lstrip('/')
         if frame == self._frame:
-            self._release(handlers)
-            handlers.accept(message)
+            self._accept(message, handlers, None)
             return
         if handlers.accept_relative is not None and frame == self._base_frame:
             handlers.accept_relative(message)
@@ -252,12 +255,29 @@ class WorldFrame:
         in_world = _transformed_or_refused(waiting, transform, self._frame)
         if in_world is None:
             return True
-        self._release(handlers)
-        handlers.accept(in_world)
-        frame = message.header.frame_id
+        frame, anchor = message.header.frame_id, None
         if handlers.move is not None and not self._buffer.is_below(frame, self._frame):
-            self._anchors[handlers.move] = _Anchor(frame, transform.planar)
+            anchor = _Anchor(frame, transform.planar)
+            if handlers.is_offer:
+                # It is compared with the one that is pursued.
+                self._move_with(handlers.move, anchor)
+        self._accept(in_world, handlers, anchor)
         return True
+
+    def _accept(self, message: Any, handlers: Handlers, anchor: _Anchor | None) -> None:
+        """Hand on a message in the world frame, which is moved with its anchor, if it has one."""
+        move = handlers.move
+
+        def follow() -> None:
+            if anchor is not None and move is not None:
+                self._anchors[move] = anchor
+            elif move is not None:
+                self._anchors.pop(move, None)
+        if handlers.is_offer:
+            handlers.accept(message, follow)
+        else:
+            handlers.accept(message)
+            follow()
 
     def _hand_on_relative(self, waiting: _Waiting) -> bool:
         """Hand on a message of a frame that is fixed to the robot; return False for others."""
@@ -271,10 +291,6 @@ class WorldFrame:
         if relative is not None:
             accept(relative)
         return True
-
-    def _release(self, handlers: Handlers) -> None:
-        if handlers.move is not None:
-            self._anchors.pop(handlers.move, None)
 
     def _look_up(self, message: Any, handlers: Handlers, *, is_late: bool) -> RigidTransform:
         frame, stamp = message.header.frame_id, nanoseconds(message.header.stamp)
@@ -292,11 +308,17 @@ class WorldFrame:
                 pose = self._buffer.lookup(self._frame, frame).planar
             except TransformUnavailable:
                 continue
-            correction = pose @ before.inverse()
             moved = max(abs(pose.x - before.x), abs(pose.y - before.y))
-            if moved > DRIFT or abs(wrap_angle(correction.theta)) > HEADING_DRIFT:
-                self._anchors[move] = _Anchor(frame, pose)
-                move(correction._replace(theta=wrap_angle(correction.theta)))
+            if moved > DRIFT or abs(wrap_angle(pose.theta - before.theta)) > HEADING_DRIFT:
+                self._move_with(move, _Anchor(frame, pose))
+
+    def _move_with(self, move: Callable[[Pose], None], anchor: _Anchor) -> None:
+        """Move what was accepted last to where its frame is now, if it has the same one."""
+        before = self._anchors.get(move)
+        if before is not None and before.frame == anchor.frame and before.pose != anchor.pose:
+            self._anchors[move] = anchor
+            correction = anchor.pose @ before.pose.inverse()
+            move(correction._replace(theta=wrap_angle(correction.theta)))
 
     def _refusal(self, topic: str, message: Any, reason: str) -> MessageRefused:
         header = message.header

@@ -1,11 +1,14 @@
 """Goals end once and follow their frames, with a server and transforms that are played here."""
 
 from collections.abc import Callable
+import contextlib
 import logging
+import math
 from types import SimpleNamespace
 from typing import Any
 
 from geometry_msgs.msg import PoseStamped
+from push_control.events import TaskEvent
 from push_control.goal import GoalOutcome, GoalProgress, PushGoal
 from push_control.ros import push_action
 from push_control.ros.base_check import BaseFault
@@ -17,7 +20,7 @@ from push_model.files.data import config_file
 from push_model.files.parameter_files import read_object
 from push_model.geometry import Pose
 from push_model.rigid_transform import RigidTransform
-from push_ros.conversions.primitives import to_pose_message, to_stamp
+from push_ros.conversions.primitives import MessageRefused, to_pose_message, to_stamp
 from push_ros.push_interfaces import PushInterfaces
 from push_ros.transforms import world
 from push_ros.transforms.buffer import TransformBuffer
@@ -30,11 +33,9 @@ BOX = read_object(config_file('objects/box_04.yaml'))
 class Handle:
     """A goal of a client, which may end once, as that of rclpy."""
 
-    def __init__(self, object_name: str = '') -> None:
-        pose = PoseStamped(pose=to_pose_message(Pose(1.0, 0.0, 0.0)))
-        pose.header.frame_id = 'map'
+    def __init__(self, object_name: str = '', pose: PoseStamped | None = None) -> None:
         self.request = SimpleNamespace(
-            goal_pose=pose, object_name=object_name, position_tolerance=0.0,
+            goal_pose=pose or goal_pose(1.0), object_name=object_name, position_tolerance=0.0,
             heading_tolerance=0.0, time_limit=SimpleNamespace(sec=0, nanosec=0))
         self.is_active, self.is_cancel_requested = True, False
         self.end = ''
@@ -68,11 +69,18 @@ class Pursuit:
     def __init__(self) -> None:
         self.is_commanding = False
         self.progress = GoalProgress()
+        # Where each of them was at last.
+        self.goals: list[Pose] = []
 
-    def set_goal(self, _: PushGoal) -> None:
+    def set_goal(self, goal: PushGoal) -> None:
         """Pursue a goal."""
+        self.goals.append(goal.pose)
         self.is_commanding = True
         self.progress = GoalProgress()
+
+    def move_goal(self, correction: Pose) -> None:
+        """Follow the frame of the goal."""
+        self.goals[-1] = correction @ self.goals[-1]
 
     def cancel(self, cause: AnyReport) -> None:
         """Back off."""
@@ -107,12 +115,12 @@ class Stage:
         self.world = WorldFrame(node, 'odom', 1.0)
         pursuit: Any = self.pursuit
         self.goals = GoalEntry(node, pursuit, 'odom', is_lockstep=False)
-        names = ('NONE', 'TF_ERROR', 'PREEMPTED', 'INTERRUPTED')
+        names = ('NONE', 'TF_ERROR', 'PREEMPTED', 'INTERRUPTED', 'ROBOT_NOT_READY')
         action = SimpleNamespace(Result=result_type(names))
         PushActionServer(
             node, self.goals, PushInterfaces(action, None, None, None),
             lambda name, message, receiver: self.world.receive(name, message, Handlers(
-                receiver.accept, receiver.refuse, self.goals.move)),
+                receiver.accept, receiver.refuse, self.goals.move, is_offer=True)),
             is_active=lambda: True, objects=ObjectSelector(lambda _: BOX, lambda name, obj: None),
             check_base=lambda on_result: on_result(self.fault))
 
@@ -128,8 +136,8 @@ class Stage:
     def locate(self, x: float, heading: float = 0.0) -> None:
         """Let a localization find the origin of ``map``."""
         self.now += 0.01
-        self.buffer.set('odom', 'map', round(1e9 * self.now), RigidTransform.from_angles(
-            (x, 0.0, 0.0), (0.0, 0.0, heading)))
+        self.buffer.set('map', 'odom', round(1e9 * self.now), RigidTransform.from_angles(
+            (x, 0.0, 0.0), (0.0, 0.0, heading)).inverse())
 
     def cancel(self, handle: Handle) -> None:
         """Let the client of a goal cancel it."""
@@ -143,6 +151,15 @@ class Stage:
         self.offer(handle)
         assert self.goals.current is not None
         return handle
+
+    def publish(self, message: PoseStamped) -> None:
+        """Let a goal come on the topic, as the controller takes it."""
+        def take(in_world: Any, follow: Callable[[], None]) -> None:
+            if self.fault is None:
+                with contextlib.suppress(MessageRefused):
+                    self.goals.on_message(in_world, follow)
+        self.world.receive('goal_pose', message, Handlers(
+            take, lambda error, _: None, self.goals.move, is_offer=True))
 
     def check_next_goal(self) -> None:
         """Expect that another goal is reached, and that each has one result."""
@@ -205,3 +222,56 @@ def test_a_goal_that_waits_for_its_transform_ends_with_a_result(
     stage.world.reset()
     assert {handle.end for handle in handles} == {'aborted'}
     stage.check_next_goal()
+
+
+def goal_pose(x: float, frame: str = 'map') -> PoseStamped:
+    """Make a goal in a frame."""
+    message = PoseStamped(pose=to_pose_message(Pose(x, 0.0, 0.0)))
+    message.header.frame_id = frame
+    return message
+
+
+def refuse_by_its_pose(stage: Stage) -> None:
+    """Let a goal come whose pose is none."""
+    stage.publish(goal_pose(math.nan, 'odom'))
+
+
+def refuse_by_the_base(stage: Stage) -> None:
+    """Let a goal come while the base is not ready."""
+    stage.fault = BaseFault('it is not ready')
+    stage.publish(goal_pose(3.0, 'odom'))
+    stage.offer(Handle(pose=goal_pose(3.0, 'odom')))
+
+
+def stop_and_start(stage: Stage) -> None:
+    """Stop the controller, and let it go on to the goal of before."""
+    stage.goals.interrupt(GoalOutcome.CANCELLED, TaskEvent.STOPPED_BY_USER.report())
+
+
+@pytest.mark.parametrize('event', [refuse_by_its_pose, refuse_by_the_base, stop_and_start])
+def test_the_goal_that_is_pursued_follows_its_frame_whatever_comes(
+        stage: Stage, event: Callable[[Stage], None]) -> None:
+    """A goal that is not taken leaves it alone, and so do a stop and a start."""
+    stage.pursue()
+    event(stage)
+    stage.locate(0.3)
+    stage.look()
+    assert stage.pursuit.goals == [pytest.approx(Pose(1.3, 0.0, 0.0))]
+    # One that is taken holds where it is.
+    stage.fault = None
+    stage.publish(goal_pose(2.0, 'odom'))
+    stage.locate(0.6)
+    stage.look()
+    assert stage.pursuit.goals[1:] == [Pose(2.0, 0.0, 0.0)]
+
+
+def test_a_goal_that_is_repeated_in_a_frame_that_drifts_is_not_begun_again(stage: Stage) -> None:
+    """However little or much that has drifted since; it is where its frame is then."""
+    for index, drift in enumerate((0.0, 1e-4, 1.1e-3, 2.9e-3, 0.3, -0.1)):
+        stage.locate(drift, 0.3 * drift)
+        stage.publish(goal_pose(9.0))
+        expected = Pose(drift, 0.0, 0.3 * drift) @ Pose(9.0, 0.0, 0.0)
+        assert stage.pursuit.goals == [pytest.approx(expected, abs=1e-9)]
+        stage.goals.update(float(index))
+    stage.publish(goal_pose(9.01))
+    assert len(stage.pursuit.goals) == 2

@@ -150,13 +150,13 @@ def test_a_goal_that_is_repeated_is_not_begun_again(goals, robot):
     message = PoseStamped(pose=to_pose_message(FIRST.pose))
     message.header.frame_id = 'odom'
     for _ in range(3):
-        goals.on_message(message)
+        goals.on_message(message, lambda: None)
     assert robot.goals == [FIRST] and goals.current.outcome is None
     message.pose.position.x = SECOND.pose.x
-    goals.on_message(message)
+    goals.on_message(message, lambda: None)
     assert robot.goals == [FIRST, SECOND]
     robot.is_commanding = False
-    goals.on_message(message)
+    goals.on_message(message, lambda: None)
     assert robot.goals == [FIRST, SECOND, SECOND]
 
 
@@ -166,10 +166,10 @@ def test_a_stopped_controller_takes_no_goal(goals, robot):
     message.header.frame_id = 'odom'
     robot.start_state = StartState.STOPPED
     with pytest.raises(MessageRefused, match='controller/start'):
-        goals.on_message(message)
+        goals.on_message(message, lambda: None)
     assert not robot.goals and goals.is_idle
     robot.start_state = StartState.STARTED
-    goals.on_message(message)
+    goals.on_message(message, lambda: None)
     assert robot.goals == [FIRST]
 
 

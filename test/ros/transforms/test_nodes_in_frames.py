@@ -125,6 +125,11 @@ def test_a_task_in_the_map_with_a_camera_follows_what_drifts(tmp_path):
         assert first.goal == pytest.approx(localized.inverse() @ GOAL_IN_MAP)
         b.wait_until(lambda: 'has a map of 80 times 80 cells' in frames.texts())
 
+        # A goal that is refused, and a stop and a start, leave it to follow its frame.
+        b.publish('goal_pose', posed('odom', frames.now, Pose(math.nan, 0.0, 0.0)))
+        b.wait_until(lambda: any(text.startswith('goal_pose: ') for text in frames.texts()))
+        for service in ('controller/stop', 'controller/start'):
+            assert b.call(service).success
         localized = Pose(1.1, 0.4, 0.15)
         b.publish('push_plan', no_plan_message(
             PlanFailure.BLOCKED, b.received['push_request'][0].header.stamp, 'odom'))
