@@ -494,7 +494,7 @@ class ActiveController:
         self._gate.set_object(obj)
         self._placing.set_object(name, obj)
         self._scene.set_object(obj)
-        self._latest.object_pose = None
+        self._latest.forget_object()
         if self._action is not None:
             self._action.set_object(name)
         self._reporter.report(OK, f'turns to the object {name!r}' if name

@@ -90,6 +90,10 @@ class LatestMeasurements:
         """Note whether the bumper is pressed, which counts with the next odometry."""
         self._bumper.add(is_pressed)
 
+    def forget_object(self) -> None:
+        """Forget where the object is: it is another one from now on."""
+        self.object_pose = self._unplaced = None
+
     def _add_odometry(self, odometry: Odometry) -> None:
         if self.odometry is None:
             self._forget_later_pose(odometry.time)

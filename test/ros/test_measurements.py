@@ -87,6 +87,16 @@ def test_a_relative_pose_from_before_the_first_odometry_is_ignored():
     assert latest.object_pose is None and latest.time == 1.0
 
 
+def test_a_relative_pose_of_another_object_is_not_placed() -> None:
+    """It waited for odometry as the object was changed."""
+    latest = LatestMeasurements()
+    latest.add(moving(1.0))
+    latest.add(ObjectPose(1.01, Pose(1.0, 0.0, 0.0), relative=Pose(1.0, 0.0, 0.0)))
+    latest.forget_object()
+    latest.add(moving(1.02))
+    assert latest.object_pose is None
+
+
 def reports(arrivals, end):
     """Look at the clock 20 times a second while odometry comes at times; list what is news."""
     watchdog, news = OdometryWatchdog(0.25, is_simulated=False), []
