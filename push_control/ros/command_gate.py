@@ -152,6 +152,7 @@ class CommandGate:
         :return: the ``Twist`` to send.
         """
         others, is_commanding = self._others, pursuit.is_commanding
+        others.take()
         is_blocked = self.yields or not self._was_commanding
         self.yields = is_commanding and is_blocked and others.is_commanding
         self._was_commanding = is_commanding

@@ -50,7 +50,8 @@ class OtherCommanders:
         self._count = 0
         self._looked_at = -math.inf
         self._subscription: Subscription | None = None
-        self._own: deque[tuple[Any, ...]] = deque(maxlen=OWN_COMMANDS)
+        # Keys of own commands, and when they were sent [s].
+        self._own: deque[tuple[tuple[Any, ...], float]] = deque(maxlen=OWN_COMMANDS)
         # When one of them has commanded anything, and a motion, last [s].
         self._commanded_at = self._driven_at = -MEMORY
         self._timer = node.create_timer(PERIOD, node.guarded(self._look_now_and_then),
@@ -70,7 +71,7 @@ class OtherCommanders:
         :param stamp: of it [ns].
         """
         if self._subscription is not None:
-            self._own.append((stamp if self._stamped else 0, *command))
+            self._own.append(((stamp if self._stamped else 0, *command), time.monotonic()))
 
     @property
     def names(self) -> str:
@@ -80,25 +81,27 @@ class OtherCommanders:
     @property
     def is_driving(self) -> bool:
         """Tell whether one of them has commanded a motion a moment ago."""
-        self._take()
         return time.monotonic() - self._driven_at < MEMORY
 
     @property
     def is_commanding(self) -> bool:
         """Tell whether one of them has commanded the base a moment ago, if only to stand."""
-        self._take()
         return time.monotonic() - self._commanded_at < MEMORY
 
-    def _take(self) -> None:
-        """Take the commands that have come."""
+    def take(self) -> None:
+        """Take the commands that have come; called at each measurement, as they count from now."""
+        own = {key for key, _ in self._own}
         while (self._subscription is not None
                and (message := take_message(self._subscription)) is not None):
-            if self._key(message) in self._own:
+            if self._key(message) in own:
                 continue
             self._commanded_at = time.monotonic()
             twist = message.twist if self._stamped else message
             if any((twist.linear.x, twist.linear.y, twist.angular.z)):
                 self._driven_at = self._commanded_at
+        # Without a stamp a command of somebody else is like one of long ago.
+        while self._own and time.monotonic() - self._own[0][1] > MEMORY:
+            self._own.popleft()
 
     def _look_now_and_then(self) -> None:
         """Look for other publishers where their number has changed, or may have to be named."""
