@@ -105,6 +105,7 @@ class Stage:
         self.results: list[tuple[Handle, Any]] = []
         node: Any = SimpleNamespace(
             get_logger=lambda: logging.getLogger('action'), now=lambda: to_stamp(1.0),
+            running_time=lambda: self.now,
             reporter=SimpleNamespace(log=lambda *_: None), guarded=lambda callback: callback,
             create_publisher=lambda *_: None, create_timer=self._note_timer,
             executor=SimpleNamespace(create_task=lambda task, *arguments: task(*arguments)))
