@@ -5,9 +5,10 @@ import math
 from typing import get_args
 
 from push_control.settings import ControlSettings
+from push_model.parameters import PushedObject
 from push_model.plan_request import (
-    check_heading_tolerance, HEADING_TOLERANCE, MAX_HEADING_TOLERANCE, MAX_TOLERANCE,
-    MIN_TOLERANCE, POSITION_TOLERANCE,
+    ANY_HEADING, check_heading_tolerance, HEADING_TOLERANCE, MAX_HEADING_TOLERANCE,
+    MAX_TOLERANCE, MIN_TOLERANCE, POSITION_TOLERANCE,
 )
 from push_model.quantity import check, quantity
 from push_model.signals import Odometry, OdometryReference, PoseCovariance
@@ -45,6 +46,9 @@ class SupervisionSettings:
     heading_tolerance: float = quantity(
         'heading error at which a task is done; 2 pi for any heading', 'rad', MIN_TOLERANCE,
         MAX_HEADING_TOLERANCE, is_basic=True, default=HEADING_TOLERANCE)
+    disc_heading_free: bool = quantity(
+        'whether a round object may have any heading at its goal, unless the goal states a '
+        'tolerance of heading', is_basic=True, default=True)
     confidence_sigmas: float = quantity('standard errors that must fit into the tolerances', '',
                                         0.0, 10.0, default=3.0)
     min_averaging_time: float = quantity('time over which poses at rest are averaged', 's',
@@ -106,6 +110,16 @@ class SupervisionSettings:
         """Validate the fields."""
         check(self)
         check_heading_tolerance('SupervisionSettings', self.heading_tolerance)
+
+    def for_object(self, obj: PushedObject) -> 'SupervisionSettings':
+        """
+        Return the settings that hold for an object: a round one may have any heading.
+
+        :param obj: the ``PushedObject``.
+        """
+        if obj.outline or not self.disc_heading_free:
+            return self
+        return dataclasses.replace(self, heading_tolerance=ANY_HEADING)
 
     @property
     def has_limited_view(self) -> bool:

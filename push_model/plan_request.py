@@ -16,6 +16,8 @@ MAX_HEADING_TOLERANCE = 6.3
 # Tolerances of a goal for which nobody asks for others [m], [rad]; chosen: what a camera measures,
 # and about a degree. What costs seconds to compute depends on them, so that nodes share them.
 POSITION_TOLERANCE, HEADING_TOLERANCE = 0.01, 0.0175
+# Tolerance of heading with which any does [rad].
+ANY_HEADING = math.tau
 
 
 def check_heading_tolerance(owner: str, value: float) -> None:

@@ -69,7 +69,7 @@ def scenario_message(scenario: Scenario, law: str, columns: Sequence[str]) -> Me
     """
     return scene_message(scenario.name.replace('_', ' '), scenario.object, scenario.robot,
                          columns, description=scenario.description, law=law,
-                         bounds=scenario.bounds) | {
+                         bounds=scenario.final_bounds) | {
                              'true_base': _base_values(scenario.true_robot),
                              'camera': camera_values(scenario.sensors.camera)}
 

@@ -228,7 +228,8 @@ def is_truly_done(record: Record, fault: Fault | None = None) -> bool:
         all that can be known.
     """
     scenario = record.scenario
-    settings = scenario.control if scenario.task is None else scenario.task.supervision
+    settings = (scenario.control if scenario.task is None
+                else scenario.task.supervision.for_object(scenario.object))
     object_pose, goal = Pose(*record.tape.poses('object')[-1]), scenario.final_goal
     if fault is not None and not fault.is_temporary and (
             fault.input is Input.POSE and fault.word is Word.WRONG):

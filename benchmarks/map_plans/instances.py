@@ -9,6 +9,7 @@ from benchmarks.tasks.maps import drawn_map, inner_reach, reach
 from benchmarks.tasks.nooks import draw_nook_task, Nook, pose_in, walled
 from benchmarks.tasks.public_maps import draw_public_task
 import numpy as np
+from push_control.supervision_settings import SupervisionSettings
 from push_model.files import data
 from push_model.files.parameter_files import read_object, read_robot
 from push_model.geometry import Pose
@@ -59,7 +60,9 @@ class Instance(NamedTuple):
             name='map', description='a task in a map', object=self.obj, true_object=self.obj,
             robot=self.robot, true_robot=self.robot, goal=Placement(*self.goal),
             start=Start(object=Placement(*self.start), robot=Placement(*self.robot_start)),
-            planner=PlannerSettings(), task=Task(map=drawn_map(self.occupancy_map)),
+            planner=PlannerSettings(), task=Task(
+                map=drawn_map(self.occupancy_map),
+                supervision=SupervisionSettings(disc_heading_free=False)),
             time_limit=600.0)
 
 

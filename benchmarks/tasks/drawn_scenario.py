@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 from benchmarks.controller.cases import objects, SENSORS, STRESSES
 import numpy as np
+from push_control.supervision_settings import SupervisionSettings
 from push_model.files import data
 from push_model.files.parameter_files import read_robot
 from push_model.geometry import Pose
@@ -78,4 +79,4 @@ def make_scenario(description: str, bodies: Bodies, poses: TaskPoses, seed: int,
         start=Start(object=Placement(*poses.start), robot=Placement(*poses.robot_start)),
         planner=PlannerSettings(pushing_speed=bodies.speed), sensors=SENSORS,
         simulation=SimulationSettings(seed=seed), time_limit=TIME_LIMIT,
-        task=Task(map=floor_map))
+        task=Task(map=floor_map, supervision=SupervisionSettings(disc_heading_free=False)))

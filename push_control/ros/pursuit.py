@@ -37,6 +37,18 @@ from push_safety.status import SafetyReport
 Settings = TypeVar('Settings', ControlSettings, SupervisionSettings)
 
 
+def settings_for_goal(settings: Settings, goal: PushGoal | None) -> Settings:
+    """Put tolerances that a goal states in place of others: a heading for a disc, too."""
+    stated: dict[str, Any] = {}
+    if goal is not None and goal.position_tolerance is not None:
+        stated['position_tolerance'] = goal.position_tolerance
+    if goal is not None and goal.heading_tolerance is not None:
+        stated['heading_tolerance'] = goal.heading_tolerance
+        if isinstance(settings, SupervisionSettings):
+            stated['disc_heading_free'] = False
+    return dataclasses.replace(settings, **stated)
+
+
 class GoalPursuit:
     """
     Lets a ``Supervisor`` bring the object to its goal: with one steered push, or with many pushes.
@@ -285,16 +297,10 @@ class GoalPursuit:
 
     def _apply_settings(self) -> None:
         """Hand on the settings, with the tolerances of the goal where it has any."""
-        parameters = self._parameters
-        self._supervisor.set_settings(self._for_goal(parameters.control), parameters.drive,
-                                      self._for_goal(parameters.supervision))
-
-    def _for_goal(self, settings: Settings) -> Settings:
-        tolerances = {} if self._goal is None else {
-            'position_tolerance': self._goal.position_tolerance,
-            'heading_tolerance': self._goal.heading_tolerance}
-        return dataclasses.replace(settings, **{
-            name: value for name, value in tolerances.items() if value is not None})
+        parameters, goal = self._parameters, self._goal
+        self._supervisor.set_settings(settings_for_goal(parameters.control, goal),
+                                      parameters.drive,
+                                      settings_for_goal(parameters.supervision, goal))
 
     def set_object(self, parameters: ControllerParameters) -> None:
         """

@@ -25,7 +25,7 @@ class BehaviorFactory(abc.ABC):
     A subclass is a way to pursue a goal. ``table``: its ``TransitionTable``. ``keeps_plan``:
     whether a plan is made before the start, which it awaits, and is driven once more by a second
     start; else each start makes another plan. ``occupancy_map``: the ``OccupancyMap``, or None on
-    open floor.
+    open floor. ``supervision``: the ``SupervisionSettings`` that hold for the object.
     """
 
     table: ClassVar[TransitionTable]
@@ -44,7 +44,7 @@ class BehaviorFactory(abc.ABC):
         """Set the settings of the behaviours that are made from now on."""
         self._control = control
         self._drive = drive
-        self._supervision = supervision
+        self.supervision = supervision.for_object(self._obj)
 
     @property
     def tolerances(self) -> GoalTolerances:
@@ -85,5 +85,5 @@ class BehaviorFactory(abc.ABC):
 
     def _context(self, obj: PushedObject) -> BehaviorContext:
         """Make the context of a behaviour that acts upon an object."""
-        return BehaviorContext(obj, self._robot, self._control, self._drive, self._supervision,
+        return BehaviorContext(obj, self._robot, self._control, self._drive, self.supervision,
                                self.occupancy_map)

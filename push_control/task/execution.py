@@ -79,8 +79,9 @@ class TaskExecution:
         if factory is None:
             # Imported here: it takes a while, and a single push does without.
             from push_control.task.repeated_pushes import RepeatedPushBehaviors as factory
-        self._progress = ProgressMonitor(supervision, aimed_tolerances(control, supervision))
         self._behaviors: BehaviorFactory = factory(obj, robot, control, drive, supervision)
+        supervision = self._behaviors.supervision
+        self._progress = ProgressMonitor(supervision, aimed_tolerances(control, supervision))
         self._perception: RawPerception = self._behaviors.new_perception(-math.inf)
         if knowledge is not None:
             self._perception.start_from(knowledge)

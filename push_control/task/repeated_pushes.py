@@ -177,7 +177,7 @@ class RepeatedPushBehaviors(BehaviorFactory):
         knowledge, obj = localization.knowledge, localization.obj
         belief = FrictionBelief(friction_center(obj), obj.contact_friction_coefficient,
                                 knowledge.center_deviation, knowledge.contact_friction_deviation)
-        settings = cost_settings(self._control, self._supervision, self._drive, self._robot)
+        settings = cost_settings(self._control, self.supervision, self._drive, self._robot)
         return load_primitives(self._obj, self._robot, settings, belief)
 
     def _with_present_uncertainty(self, target: PushTrajectory,

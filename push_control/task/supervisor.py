@@ -82,9 +82,10 @@ class Supervisor(TaskExecution):
         What perception was made with stays: noise of the sensors, drift of the odometry, and how
         long the object is averaged.
         """
+        self._behaviors.set_settings(control, drive, supervision)
+        supervision = self._behaviors.supervision
         self._progress.settings = supervision
         self._progress.aim = aimed_tolerances(control, supervision)
-        self._behaviors.set_settings(control, drive, supervision)
 
     def set_map(self, occupancy_map: OccupancyMap | None) -> None:
         """Set the map, None for open floor; a path or push that it blocks is given up."""

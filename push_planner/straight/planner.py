@@ -12,7 +12,8 @@ from push_model.contact import find_contact
 from push_model.friction import friction_center
 from push_model.geometry import Pose
 from push_model.parameters import Contact, PushedObject, RoundRobot
-from push_model.plan_request import PlanFailure, PlanRequest
+from push_model.plan_request import (
+    ANY_HEADING, HEADING_TOLERANCE, PlanFailure, PlanRequest)
 from push_model.trajectory import PushStyle, PushTrajectory
 from push_navigation.approach.approach_path import plan_approach
 from push_navigation.map_clearance import (
@@ -118,8 +119,10 @@ def warm_up(obj: PushedObject, robot: RoundRobot, drive: DriveSettings) -> None:
     """Plan once, so that the first request does not wait for the compiler and for the table."""
     away = Pose(-WARM_UP_DISTANCE, 0.0, 0.0)
     goal = Pose(WARM_UP_DISTANCE, 0.0, 0.0)
+    request = PlanRequest(Pose(0.0, 0.0, 0.0), away, goal, obj,
+                          heading_tolerance=HEADING_TOLERANCE if obj.outline else ANY_HEADING)
     with contextlib.suppress(PlanningFailed):
-        plan_straight_push(PlanRequest(Pose(0.0, 0.0, 0.0), away, goal, obj), robot, drive=drive)
+        plan_straight_push(request, robot, drive=drive)
 
 
 def lay_out(request: PlanRequest, robot: RoundRobot, settings: PlannerSettings,

@@ -152,6 +152,14 @@ class Scenario:
         return (later[-1].goal if later else self.goal).pose
 
     @property
+    def final_bounds(self) -> GoalBounds:
+        """``bounds``, with any heading where the task takes any."""
+        if self.task is None or (
+                self.task.supervision.for_object(self.object).heading_tolerance < math.pi):
+            return self.bounds
+        return dataclasses.replace(self.bounds, heading_error=math.pi)
+
+    @property
     def plant_settings(self) -> SimulationSettings:
         """``simulation``, with the walls of the task's map besides its own."""
         if self.task is None or self.task.map is None:

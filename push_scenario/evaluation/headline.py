@@ -21,7 +21,7 @@ def headline(result: RunResult) -> str:
         return f'{word}{pushes}: {result.reason}'
     pushes = '' if result.scenario.task is None else (
         ', ' + _counted(result.pushes, 'push', 'pushes'))
-    bounds = result.scenario.bounds
+    bounds = result.scenario.final_bounds
     error = f'{1e3 * result.position_error:.1f} mm and {_degrees(result.heading_error, ".2f")}'
     allowed = f'{1e3 * bounds.position_error:g} mm and {_degrees(bounds.heading_error, "g")}'
     return (f'{word} in {result.duration:.1f} s{pushes}: {error} from the goal, '

@@ -118,7 +118,7 @@ def verdict(result: RunResult) -> str:
 
 
 def _out_of_bounds(result: RunResult, tape: Tape) -> list[str]:
-    bounds, task = result.scenario.bounds, result.scenario.task
+    bounds, task = result.scenario.final_bounds, result.scenario.task
     violations: list[str] = []
     if not result.position_error <= bounds.position_error:
         violations.append(f'position error {1e3 * result.position_error:.1f} mm, bound '

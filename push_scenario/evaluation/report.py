@@ -73,9 +73,9 @@ class Row(NamedTuple):
 
 ROWS: tuple[Row, ...] = (
     Row('final position error', 'mm', lambda m: f'{1e3 * m.position_error:.1f}',
-        bound=lambda scenario: f'{1e3 * scenario.bounds.position_error:.1f}'),
+        bound=lambda scenario: f'{1e3 * scenario.final_bounds.position_error:.1f}'),
     Row('final heading error', 'deg', lambda m: f'{math.degrees(m.heading_error):+.2f}',
-        bound=lambda scenario: f'{math.degrees(scenario.bounds.heading_error):.2f}'),
+        bound=lambda scenario: f'{math.degrees(scenario.final_bounds.heading_error):.2f}'),
     Row('pushes', '', lambda m: f'{m.pushes}', _is_task),
     Row('correcting pushes', '', lambda m: f'{m.corrections}', _is_task),
     Row('recoveries', '', lambda m: f'{m.recoveries}', _is_task),

@@ -191,7 +191,7 @@ class PushTask(gymnasium.Env[Vector, Vector]):
 
     def _is_success(self) -> bool:
         scenario, pose = self._scenario, self._simulation.plant.object_pose
-        goal, bounds = scenario.final_goal, scenario.bounds
+        goal, bounds = scenario.final_goal, scenario.final_bounds
         return (distance(pose, goal) <= bounds.position_error
                 and abs(wrap_angle(pose.theta - goal.theta)) <= bounds.heading_error
                 and is_at_rest(self._simulation.truth))

@@ -165,7 +165,7 @@ def _scene(axes: Axes, result: RunResult) -> None:
     style_axes(axes)
     axes.set_xlabel('x [m]')
     axes.set_ylabel('y [m]')
-    bounds = scenario.bounds
+    bounds = scenario.final_bounds
     axes.set_title(
         f'{scenario.name.replace("_", " ")}, {law_title(result.control_law)}\n'
         f'{verdict(result)} after {result.duration:.1f} s, '
@@ -228,14 +228,14 @@ def _pose_errors(result: RunResult) -> FloatArray:
 def _position_error(axes: Axes, result: RunResult) -> None:
     error = 1e3 * np.hypot(*_pose_errors(result)[:, :2].T)
     _log_error(axes, result, np.maximum(error, MIN_POSITION_ERROR),
-               1e3 * result.scenario.bounds.position_error)
+               1e3 * result.scenario.final_bounds.position_error)
     axes.set_ylabel('position\nerror [mm]')
 
 
 def _heading_error(axes: Axes, result: RunResult) -> None:
     error = np.abs(wrap_angles(_pose_errors(result)[:, 2]))
     _log_error(axes, result, np.maximum(np.degrees(error), MIN_HEADING_ERROR),
-               math.degrees(result.scenario.bounds.heading_error))
+               math.degrees(result.scenario.final_bounds.heading_error))
     axes.set_ylabel('heading\nerror [°]')
 
 

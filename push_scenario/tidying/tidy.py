@@ -35,8 +35,6 @@ from push_tidy.tidy_supervisor import (
 
 # Measurements that a pose at rest is the mean of; chosen: half a second.
 MEAN_COUNT = 10
-# Tolerance of the heading of round objects, which does not count [rad].
-ANY_HEADING = 2.0 * math.pi
 
 
 class TidyProgress(NamedTuple):
@@ -115,9 +113,8 @@ class TidyResult:
         if name in self.room.without_goal:
             return True
         position, heading = self.errors(name)
-        scenario = self.room.scenarios[name]
-        return position <= scenario.bounds.position_error and (
-            not scenario.object.outline or heading <= scenario.bounds.heading_error)
+        bounds = self.room.scenarios[name].final_bounds
+        return position <= bounds.position_error and heading <= bounds.heading_error
 
 
 def tidy(room: Room, *, progress: Callable[[TidyProgress], None] | None = None,
@@ -154,11 +151,10 @@ def tidy(room: Room, *, progress: Callable[[TidyProgress], None] | None = None,
 def goal_of(name: str, room: Room) -> ObjectGoal:
     """Return the ``ObjectGoal`` of an object of a room."""
     scenario = room.scenarios[name]
-    bounds = scenario.bounds
+    bounds = scenario.final_bounds
     return ObjectGoal(
         name, scenario.object, None if name in room.without_goal else scenario.goal.pose,
-        GoalTolerances(bounds.position_error,
-                       bounds.heading_error if scenario.object.outline else ANY_HEADING))
+        GoalTolerances(bounds.position_error, bounds.heading_error))
 
 
 class RoomRun:
@@ -256,9 +252,7 @@ class RoomRun:
     def _scenario_of(self, move: Move, object_pose: Pose) -> Scenario:
         """Make the scenario of one move: the others are obstacles of its map."""
         room = self._room
-        scenario, supervision = room.scenarios[move.name], room.task.supervision
-        if not scenario.object.outline:
-            supervision = dataclasses.replace(supervision, heading_tolerance=ANY_HEADING)
+        scenario = room.scenarios[move.name]
         floor = with_obstacles(
             room.floor_map, room.task.map_reading, self._standing_beside(move.name),
             MARGIN_SIGMAS * scenario.sensors.pose_noise,
@@ -266,8 +260,7 @@ class RoomRun:
         reading = dataclasses.replace(room.task.map_reading, allow_unknown=False)
         return dataclasses.replace(
             scenario, name=f'{room.name}, {move.name}',
-            task=dataclasses.replace(room.task, map=floor, map_reading=reading,
-                                     supervision=supervision),
+            task=dataclasses.replace(room.task, map=floor, map_reading=reading),
             start=Start(object=Placement(*object_pose),
                         robot=Placement(*self._simulated.robot_pose)),
             goal=Placement(*move.end))

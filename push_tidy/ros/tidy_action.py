@@ -7,7 +7,7 @@ from builtin_interfaces.msg import Duration
 from push_control.task.code_text import code_names
 from push_model.events import codes, sentence
 from push_model.parameters import RoundRobot
-from push_model.plan_request import GoalTolerances
+from push_model.plan_request import ANY_HEADING, GoalTolerances
 from push_navigation.settings import DriveSettings
 from push_ros.conversions.measurements import from_object_pose_message
 from push_ros.conversions.primitives import MessageRefused, seconds, to_stamp
@@ -129,7 +129,7 @@ class TidyActionServer:
             heading = request.heading_tolerance or options.heading_tolerance
             goals[name] = ObjectGoal(name, obj, pose, GoalTolerances(
                 request.position_tolerance or options.position_tolerance,
-                heading if obj.outline else 2.0 * math.pi))
+                heading if obj.outline else ANY_HEADING))
         return goals
 
     def _on_cancel(self, handle: ServerGoalHandle) -> CancelResponse:

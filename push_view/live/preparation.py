@@ -48,7 +48,8 @@ class Job(NamedTuple):
     def of(cls, setup: Setup) -> 'Job':
         """State what a session needs."""
         scenario, task = setup.scenario, setup.task
-        costs = cost_settings(scenario.control, task.supervision, task.drive, scenario.robot)
+        supervision = task.supervision.for_object(scenario.object)
+        costs = cost_settings(scenario.control, supervision, task.drive, scenario.robot)
         return cls(setup.choices['object'].replace('_', ' '), scenario.object, scenario.robot,
                    costs)
 

@@ -6,10 +6,12 @@ import math
 from types import SimpleNamespace
 
 from geometry_msgs.msg import PoseStamped
+from helpers.objects import bin_, box
 import numpy as np
 from push_control.events import TaskEvent
 from push_control.goal import GoalOutcome, GoalProgress, PushGoal
 from push_control.ros.goal_entry import GoalEntry
+from push_control.ros.pursuit import settings_for_goal
 from push_control.ros.start_state import StartState
 from push_control.settings import ControlSettings
 from push_control.supervision_settings import SupervisionSettings
@@ -192,7 +194,19 @@ def test_a_goal_with_any_heading_is_one_in_both_modes(
         settings: ControlSettings | SupervisionSettings) -> None:
     """Also where the action has rounded its tolerance to single precision."""
     goal = PushGoal(FIRST.pose, heading_tolerance=float(np.float32(math.tau)))
-    free = dataclasses.replace(settings, heading_tolerance=goal.heading_tolerance)
+    free = settings_for_goal(settings, goal)
     assert free.heading_tolerance >= math.tau
     with pytest.raises(ValueError, match='heading_tolerance: got 6.4, expected .* to 6.3'):
         PushGoal(FIRST.pose, heading_tolerance=6.4)
+
+
+@pytest.mark.parametrize('is_free', [True, False])
+def test_a_heading_that_a_goal_states_holds_for_a_round_object(is_free: bool) -> None:
+    """Whatever the parameters say; a goal that states none leaves it to them."""
+    settings = SupervisionSettings(disc_heading_free=is_free)
+    stated = settings_for_goal(settings, PushGoal(FIRST.pose, heading_tolerance=0.02))
+    for obj in (bin_(), box()):
+        assert stated.for_object(obj).heading_tolerance == 0.02
+        for goal in (None, FIRST, PushGoal(FIRST.pose, position_tolerance=0.03)):
+            assert settings_for_goal(settings, goal).for_object(obj).heading_tolerance == (
+                settings.for_object(obj).heading_tolerance)

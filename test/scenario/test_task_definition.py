@@ -1,11 +1,16 @@
 """What scenario files say about tasks: maps drawn as text, and goals that are given later."""
 
+import dataclasses
+import itertools
 import math
 
+from helpers.objects import bin_, box
 import numpy as np
+from push_control.supervision_settings import SupervisionSettings
 from push_model.files.mapping import from_mapping, Location, to_mapping
 from push_model.files.strict_yaml import ParameterFileError
 from push_model.geometry import Pose
+from push_model.parameters import PushedObject
 from push_scenario.definition.floor_map import FloorMap
 from push_scenario.definition.loader import (
     load_scenario, read_scenario, scenario_from_text, scenario_text, with_map,
@@ -41,6 +46,21 @@ def test_later_goals_must_be_later(times):
     goals = [{'time': time, 'goal': {'x': 1.0}} for time in times]
     with pytest.raises(ParameterFileError, match='goals'):
         from_mapping(Task, {**case, 'goals': goals}, Location('case'))
+
+
+@pytest.mark.parametrize('obj', [box(), bin_()], ids=['box', 'bin'])
+def test_bounds_judge_no_heading_that_the_task_leaves_free(obj: PushedObject) -> None:
+    """That of a round object by default, and of any where its tolerance is a full circle."""
+    scenario = dataclasses.replace(load_scenario('task_tap'), object=obj, true_object=obj)
+    for tolerance, disc_heading_free in itertools.product((0.02, math.tau), (True, False)):
+        settings = SupervisionSettings(heading_tolerance=tolerance,
+                                       disc_heading_free=disc_heading_free)
+        is_free = tolerance >= math.pi or (disc_heading_free and not obj.outline)
+        bounds = dataclasses.replace(
+            scenario, task=Task(supervision=settings)).final_bounds
+        assert bounds.position_error == scenario.bounds.position_error
+        assert bounds.heading_error == (math.pi if is_free else scenario.bounds.heading_error)
+    assert dataclasses.replace(scenario, task=None).final_bounds == scenario.bounds
 
 
 def test_a_map_of_map_server_is_read_with_a_scenario_and_in_place_of_its_own(tmp_path):

@@ -4,7 +4,9 @@ import asyncio
 import dataclasses
 import multiprocessing
 
-from push_planner.straight.planner import primitives_for
+from helpers.objects import bin_, box
+from push_model.parameters import PushedObject
+from push_planner.straight import planner
 from push_scenario.definition.loader import load_scenario
 from push_view.live.preparation import Job, prepare
 from push_view.live.session import Session
@@ -24,15 +26,18 @@ def wait_for_children():
     assert not multiprocessing.active_children()
 
 
-def test_a_session_asks_for_what_a_run_loads():
+@pytest.mark.parametrize('obj', [box(), bin_(feet=4)], ids=['box', 'bin'])
+def test_a_session_asks_for_what_a_run_loads(
+        obj: PushedObject, monkeypatch: pytest.MonkeyPatch) -> None:
     """The costs of a task are those that it counts in the table of its planner."""
-    scenario = load_scenario('task_demo')
+    scenario = dataclasses.replace(load_scenario('task_demo'), object=obj, true_object=obj)
+    monkeypatch.setattr(planner, 'load_primitives', lambda obj, robot, settings, belief: settings)
     session = Session(Setup.of(scenario), MessageLog())
     supervisor = session._run._robot.supervisor
     while supervisor.plan_request is None:
         session.advance(0.0)
-    loaded = primitives_for(supervisor.plan_request, scenario.robot, scenario.task.drive)
-    assert loaded.settings == Job.of(session.setup).costs
+    costs = planner.primitives_for(supervisor.plan_request, scenario.robot, scenario.task.drive)
+    assert costs == Job.of(session.setup).costs
 
 
 @pytest.mark.slow

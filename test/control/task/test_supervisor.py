@@ -6,7 +6,7 @@ import math
 from typing import Any
 
 from helpers.maps import walled_room
-from helpers.objects import box
+from helpers.objects import bin_, box
 import numpy as np
 from push_control.behaviors.failures import BehaviorFailure
 from push_control.behaviors.progress import MAP_TIME_LIMIT, RETRY_TIME
@@ -19,7 +19,7 @@ from push_model.contact import find_contact
 from push_model.events import codes, PushEvent
 from push_model.geometry import distance, Pose, wrap_angle
 from push_model.observation import Observation
-from push_model.parameters import RoundRobot
+from push_model.parameters import PushedObject, RoundRobot
 from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.signals import ObjectPose, Odometry, STOP
 from push_navigation.path import PathFailure
@@ -350,8 +350,8 @@ class Bench:
     """A supervisor and measurements of a robot and an object that do not move."""
 
     def __init__(self, robot: Pose = Pose(2.0, 0.0, 0.0),
-                 settings: SupervisionSettings = SUPERVISION) -> None:
-        self.supervisor = Supervisor(box(), RoundRobot(radius=0.17, max_speed=0.3),
+                 settings: SupervisionSettings = SUPERVISION, obj: PushedObject = box()) -> None:
+        self.supervisor = Supervisor(obj, RoundRobot(radius=0.17, max_speed=0.3),
                                      ControlSettings(), DRIVE, settings)
         self.robot, self.time = robot, 0.0
 
@@ -510,6 +510,23 @@ def test_settings_may_change_during_a_task():
     bench.supervisor.set_goal(Pose(0.3, 0.0, 0.2))
     bench.run(5.0)
     assert bench.supervisor.status.state is TaskState.DONE
+
+
+@pytest.mark.parametrize('obj, is_free, is_done', [
+    (bin_(), True, True), (bin_(), False, False), (box(), True, False), (box(), False, False)])
+def test_a_round_object_is_at_its_goal_with_any_heading_where_that_is_free(
+        obj: PushedObject, is_free: bool, is_done: bool) -> None:
+    """A box never is, and whatever stands at its goal with the heading of it always is."""
+    settings = dataclasses.replace(SUPERVISION, disc_heading_free=is_free)
+    for heading, is_there in ((2.5, is_done), (0.0, True)):
+        made, changed = Bench(settings=settings, obj=obj), Bench(
+            settings=dataclasses.replace(settings, disc_heading_free=not is_free), obj=obj)
+        changed.supervisor.set_settings(ControlSettings(), DRIVE, settings)
+        for bench in (made, changed):
+            bench.supervisor.set_goal(Pose(0.0, 0.0, heading))
+            bench.run(1.0)
+            assert (bench.supervisor.state is TaskState.DONE) == is_there
+            assert (bench.supervisor.plan_request is None) == is_there
 
 
 def test_what_cannot_be_is_refused():

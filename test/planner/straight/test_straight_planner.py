@@ -3,17 +3,24 @@
 import dataclasses
 import math
 
-from helpers.objects import bin_
+from helpers.objects import bin_, box
 import numpy as np
+from push_control.settings import ControlSettings
+from push_control.supervision_settings import SupervisionSettings
+from push_control.task.repeated_pushes import cost_settings
 from push_model.geometry import Pose, wrap_angle
 from push_model.parameters import PushedObject, RoundRobot, Support
 from push_model.plan_request import PlanFailure, PlanRequest
 from push_model.trajectory import PushStyle
+from push_navigation.settings import DriveSettings
 from push_planner.problem import PlanningFailed
 from push_planner.settings import PlannerSettings
+from push_planner.straight import planner
 from push_planner.straight.planner import plan_straight_push
 from push_planner.straight.trajectory import greatest_speed, MIN_SPEED, touch_speed
+from push_primitives.cost_settings import CostSettings
 from push_primitives.face_points import face_points
+from push_primitives.weights import FrictionBelief
 import pytest
 
 pytestmark = pytest.mark.slow
@@ -35,6 +42,22 @@ def request(goal=GOALS[0], **changes):
 def robot(request):
     """Return a robot of each drive."""
     return request.param
+
+
+@pytest.mark.parametrize('obj', [BIN, box()], ids=['bin', 'box'])
+def test_what_the_first_task_needs_is_made_before_it(
+        obj: PushedObject, robot: RoundRobot, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A planner warms up with the costs of a controller with default settings."""
+    loaded: list[CostSettings] = []
+
+    def load(_: PushedObject, __: RoundRobot, settings: CostSettings, ___: FrictionBelief) -> None:
+        loaded.append(settings)
+        raise ValueError('nothing is loaded')
+
+    monkeypatch.setattr(planner, 'load_primitives', load)
+    planner.warm_up(obj, robot, DriveSettings())
+    assert loaded == [cost_settings(ControlSettings(), SupervisionSettings().for_object(obj),
+                                    DriveSettings(), robot)]
 
 
 @pytest.mark.parametrize('goal', GOALS)
