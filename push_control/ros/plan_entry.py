@@ -17,9 +17,14 @@ from push_model.geometry import Pose
 from push_model.observation import Observation
 from push_model.plan_request import PlanRequest
 from push_model.trajectory import PushTrajectory
+from push_ros.background import Background
 from push_ros.conversions.plan import from_plan_message, plan_failure
 from push_ros.conversions.primitives import seconds
 from push_ros.node import PushNode
+
+# Time that preparing a plan may take before the node goes on meanwhile [s]; chosen: a file takes
+# some tens of milliseconds, what is in memory far less.
+PREPARATION_TIME = 0.1
 
 
 class PlanEntry:
@@ -41,6 +46,7 @@ class PlanEntry:
         self.parameters = parameters
         self._floor = floor
         self._reporter = reporter
+        self._background = Background('plan')
         self._requester = PlanRequester(node, self._frame, is_lockstep=options.lockstep)
 
     def reset(self, supervisor: Supervisor) -> None:
@@ -48,6 +54,8 @@ class PlanEntry:
         self._supervisor = supervisor
         self._requester.reset()
         self.refusal: AnyReport | None = None
+        # Message of a plan that is being prepared.
+        self._unprepared: Any = None
         # Stamp of a plan that nobody has requested, and time of the first measurement [s].
         self._plan_stamp = math.inf
         self._first_time: float | None = None
@@ -83,7 +91,20 @@ class PlanEntry:
                     failure, f'{failure.value} (details in the diagnostics of the planner)')
                 self._note_refusal(no_plan(failure, failure.value))
         elif not has_moved(answered.object_pose, awaited.object_pose, self.parameters.supervision):
-            self._take(self._read(message, awaited), message.header.stamp, is_started)
+            plan = self._read(message, awaited)
+            if self._is_prepared(plan):
+                self._take(plan, message.header.stamp, is_started)
+            else:
+                self._unprepared = message
+
+    def _is_prepared(self, plan: PushTrajectory) -> bool:
+        """Prepare a plan beside the node where that takes long; in lockstep time waits for it."""
+        preparation = self._supervisor.preparation(plan)
+        if preparation is None or self.parameters.options.lockstep:
+            return True
+        self._background.start(preparation)
+        self._background.wait(PREPARATION_TIME)
+        return not self._background.is_busy
 
     def _take(self, plan: PushTrajectory, stamp: Any, is_started: bool) -> None:
         """Hand on a plan that was requested, or keep it for the start."""
@@ -142,16 +163,22 @@ class PlanEntry:
 
     def check(self, observation: Observation, *, is_started: bool) -> None:
         """
-        Note before a step that a plan turns out to be older than the node, or does not come.
+        Note before a step that a plan is prepared, is older than the node, or does not come.
 
         :param observation: the newest ``Observation``.
         :param is_started: whether the robot may move.
+        :raises MessageRefused: where one that is prepared cannot be used any more.
         """
         supervisor, time = self._supervisor, observation.time
         if self._first_time is None:
             self._first_time = time
             if is_started and self._is_plan_old:
                 supervisor.interrupt(TaskEvent.PLAN_OLDER_THAN_NODE.report())
+        if self._unprepared is not None:
+            if not self._background.is_busy:
+                message, self._unprepared = self._unprepared, None
+                self.on_plan(message, is_started=is_started)
+            return
         timeout = self.parameters.supervision.plan_timeout
         if supervisor.plan_request is not None and self._requester.is_overdue(time, timeout):
             silence = self._requester.report_silence(timeout)

@@ -401,13 +401,13 @@ class GoalPursuit:
         :param dt: time since the last one [s].
         """
         self._observation = observation.earlier(self._skipped_time)
-        self._plans.check(observation, is_started=self.is_started)
         self._floor.record(observation)
-        if self._floor.is_busy:
-            try:
+        try:
+            self._plans.check(observation, is_started=self.is_started)
+            if self._floor.is_busy:
                 self._take_map()
-            except MessageRefused as error:
-                self._reporter.warn(str(error), observation)
+        except MessageRefused as error:
+            self._reporter.warn(str(error), observation)
         command = self._supervisor.step(self._observation, dt)
         self._clear_footprints()
         self._plans.update(observation.time)

@@ -1,6 +1,7 @@
 """Which behaviour acts in which state of a task: what all ways to pursue a goal share."""
 
 import abc
+from collections.abc import Callable
 from typing import Any, ClassVar
 
 from push_control.behaviors.behavior import Behavior, BehaviorContext, Stand
@@ -70,6 +71,17 @@ class BehaviorFactory(abc.ABC):
         :param perception: what ``new_perception`` has made.
         :param progress: the ``ProgressMonitor`` of the task.
         """
+
+    def preparation(self, target: PushTrajectory,
+                    perception: Any) -> Callable[[], object] | None:
+        """
+        Tell what the behaviours of a plan load or make, which may take long.
+
+        :param target: the plan.
+        :param perception: what ``new_perception`` has made.
+        :return: what to call before them, on any thread; None where nothing takes long.
+        """
+        return None
 
     @abc.abstractmethod
     def rehearse(self) -> None:

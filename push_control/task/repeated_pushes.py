@@ -1,7 +1,9 @@
 """Repeated pushes: the behaviours of a task that takes as many pushes as it needs."""
 
+from collections.abc import Callable
 import contextlib
 import dataclasses
+import functools
 import math
 
 import numpy as np
@@ -140,8 +142,7 @@ class RepeatedPushBehaviors(BehaviorFactory):
                   perception: TaskPerception) -> Behavior[TaskPerception]:
         if not target.style.is_straight:
             return StandoffApproach(context, target)
-        # Now, while the robot stands: at the first time and after a change of settings it may
-        # take long. The push that follows without a stop has the same.
+        # Now, while the robot stands; the push that follows without a stop has the same.
         self._prepared = self._load_primitives(perception)
         warm_up(self._prepared, perception.localization)
         return MovingApproach(context, target)
@@ -171,14 +172,23 @@ class RepeatedPushBehaviors(BehaviorFactory):
         return min(primitives.cost_to_go.at(to_goal, face)
                    for face in range(primitives.table.face_count))
 
+    def preparation(self, target: PushTrajectory,
+                    perception: TaskPerception) -> Callable[[], object] | None:
+        """Load primitives, which are made first after a change of settings."""
+        return self._primitive_loading(perception) if target.style.is_straight else None
+
     def _load_primitives(self, perception: TaskPerception) -> PushPrimitives:
         """Load what the planner has chosen the push from."""
+        return self._primitive_loading(perception)()
+
+    def _primitive_loading(self, perception: TaskPerception) -> Callable[[], PushPrimitives]:
+        """Make a function that loads primitives for what is known now."""
         localization = perception.localization
         knowledge, obj = localization.knowledge, localization.obj
         belief = FrictionBelief(friction_center(obj), obj.contact_friction_coefficient,
                                 knowledge.center_deviation, knowledge.contact_friction_deviation)
         settings = cost_settings(self._control, self.supervision, self._drive, self._robot)
-        return load_primitives(self._obj, self._robot, settings, belief)
+        return functools.partial(load_primitives, self._obj, self._robot, settings, belief)
 
     def _with_present_uncertainty(self, target: PushTrajectory,
                                   perception: TaskPerception) -> ControlSettings:

@@ -4,6 +4,7 @@ Supervisor of a task: what its user, the planner and the safety layer have to sa
 Everything else is ``TaskExecution``: a step answers a measurement with a command.
 """
 
+from collections.abc import Callable
 import math
 
 from push_control.events import no_plan, TaskEvent
@@ -144,6 +145,10 @@ class Supervisor(TaskExecution):
             return ExpectedEnds(starts)
         return ExpectedEnds(starts, PoseRegion(request.goal, *request.tolerances),
                             self._behavior.ends_at_goal)
+
+    def preparation(self, trajectory: PushTrajectory) -> Callable[[], object] | None:
+        """Tell what takes long before a plan is driven, as of ``BehaviorFactory``."""
+        return self._behaviors.preparation(trajectory, self._perception)
 
     def set_plan(self, trajectory: PushTrajectory) -> None:
         """Set the plan that was requested, wherever the robot stands; ignore any other."""

@@ -1,14 +1,12 @@
 """Loading of what pushes do to an object, which is made first where the object is new."""
 
 from collections.abc import Callable
-import contextlib
-import threading
 
 from push_model.parameters import RoundRobot
 from push_model.plan_request import PlanRequest
 from push_navigation.settings import DriveSettings
-from push_planner.problem import PlanningFailed
 from push_planner.straight.planner import checked_request, primitives_for
+from push_ros.background import Background
 
 # Time that loading may take before the node goes on meanwhile [s]; chosen: a file takes some tens
 # of milliseconds, what is in memory far less, and a new object seconds.
@@ -27,7 +25,7 @@ class PrimitiveLoader:
     def __init__(self) -> None:
         """Start without a request."""
         self._request: PlanRequest | None = None
-        self._thread = threading.Thread()
+        self._background = Background(THREAD_NAME)
 
     def prepare(self, action: Callable[[], None]) -> None:
         """
@@ -35,20 +33,12 @@ class PrimitiveLoader:
 
         :param action: that compiles or loads; where it fails, so will the request, and says so.
         """
-        previous = self._thread
-
-        def run() -> None:
-            if previous.is_alive():
-                previous.join()
-            with contextlib.suppress(PlanningFailed):
-                action()
-        self._thread = threading.Thread(target=run, name=THREAD_NAME, daemon=True)
-        self._thread.start()
+        self._background.start(action)
 
     @property
     def is_busy(self) -> bool:
         """Tell whether something is being prepared or loaded."""
-        return self._thread.is_alive()
+        return self._background.is_busy
 
     def loads(self, request: PlanRequest, robot: RoundRobot, drive: DriveSettings) -> bool:
         """
@@ -61,7 +51,7 @@ class PrimitiveLoader:
                 return True
             self._request = request
             self.prepare(lambda: _load(request, robot, drive))
-            self._thread.join(LOADING_TIME)
+            self._background.wait(LOADING_TIME)
         return self.is_busy
 
 
