@@ -17,6 +17,10 @@ MIN_GAP_RATIO = 0.5
 # The same of a longer path that leads off slantwise, where no other does, as after a contact that
 # has rolled to where the robot passes the object; chosen: within 80 degrees of the normal.
 MIN_SLANTED_GAP_RATIO = 0.17
+# Angles to the contact normal in which a holonomic base leaves, in order [rad]; chosen: the widest
+# that still lead off, and one between; beside a wall behind the robot one of them is free.
+LEAVING_ANGLES = tuple(math.radians(angle) for angle in (0.0, 30.0, -30.0, 58.0, -58.0, 78.0,
+                                                         -78.0))
 # Standard deviations of the robot's place by which it keeps clear of obstacles of a map.
 CERTAIN_SIGMAS = 2.0
 # What a robot nearer to obstacles than that may come nearer still, and the least clearance that it
@@ -82,7 +86,7 @@ def _clear_path(context: BehaviorContext, robot_pose: Pose, object_pose: Pose,
     robot = context.robot
     _, normal, gap = find_contact(context.obj, object_pose, robot_pose[:2], robot.radius)
     x, y, heading = robot_pose
-    directions = [normal + math.pi]
+    directions = [normal + math.pi + angle for angle in LEAVING_ANGLES]
     if robot.drive == 'differential':
         directions = [heading + math.pi, heading]
     attempts = ((retreat_distance, MIN_GAP_RATIO), (0.5 * retreat_distance, MIN_GAP_RATIO),

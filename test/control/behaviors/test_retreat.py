@@ -6,7 +6,7 @@ from helpers.objects import box
 import numpy as np
 from push_control.behaviors.behavior import BehaviorContext
 from push_control.behaviors.failures import BehaviorFailure
-from push_control.behaviors.retreat import Retreat, retreat_path
+from push_control.behaviors.retreat import NEARER, Retreat, retreat_path
 from push_control.perception.raw_perception import RawPerception
 from push_control.settings import ControlSettings
 from push_control.supervision_settings import SupervisionSettings
@@ -22,6 +22,8 @@ import pytest
 
 DRIVE = DriveSettings()
 DISTANCE = DRIVE.retreat_distance
+# Gap at which a robot counts as clear of the object [m].
+CLEAR_GAP = 0.02
 ORIGIN = Pose(0.0, 0.0, 0.0)
 
 
@@ -75,6 +77,25 @@ def test_a_robot_beside_a_wall_backs_off_along_it():
     path = retreat_path(walled, start, ORIGIN, DISTANCE)
     assert path.length == pytest.approx(DISTANCE)
     assert path.poses[-1].y == pytest.approx(start.y, abs=1e-9)
+
+
+@pytest.mark.parametrize('normal', [0.9, -0.9, 1.2])
+@pytest.mark.parametrize('clearance', [0.02, 0.04, 0.06])
+def test_a_holonomic_robot_with_a_wall_behind_it_leaves_aslant(
+        clearance: float, normal: float) -> None:
+    """It has no room to back off straight, and ends clear of the object all the same."""
+    occupied = np.zeros((80, 80), dtype=bool)
+    occupied[:, :30] = True
+    walled = context('holonomic', OccupancyMap(0.05, Pose(-2.0, -2.0, 0.0), occupied))
+    start = Pose(-0.5 + 0.17 + clearance, 0.0, 2.0)
+    touched = Pose(start.x, start.y, normal) @ Pose(0.37, 0.0, 0.0)
+    path = retreat_path(walled, start, touched, 0.06)
+    assert path is not None
+    gap = find_contact(walled.obj, touched, path.poses[-1][:2], walled.robot.radius).gap
+    assert gap > CLEAR_GAP
+    assert walled.occupancy_map is not None
+    ends_clear = walled.occupancy_map.clearance([path.poses[-1][:2]])[0] - walled.robot.radius
+    assert ends_clear >= min(clearance - NEARER, DRIVE.map_clearance) - 1e-9
 
 
 def retreat_codes(course: list[tuple[float, bool]],
