@@ -15,6 +15,7 @@ for it for a while; where none comes, it is refused with frame, stamp and what i
 Nothing is subscribed before the first message in another frame.
 """
 
+from collections import deque
 import time
 from typing import Any, Callable, NamedTuple
 
@@ -233,9 +234,16 @@ class WorldFrame:
         if not self._waiting:
             return
         now = time.monotonic()
-        waiting, self._waiting = self._waiting, []
-        unsent = [item for item in waiting if not self._hand_on(item, now)]
-        self._waiting = unsent + self._waiting
+        waiting, self._waiting = deque(self._waiting), []
+        unsent: list[_Waiting] = []
+        try:
+            while waiting:
+                item = waiting.popleft()
+                if not self._hand_on(item, now):
+                    unsent.append(item)
+        finally:
+            # An error of one message loses no other.
+            self._waiting = [*unsent, *waiting, *self._waiting]
 
     def _hand_on(self, waiting: _Waiting, now: float) -> bool:
         """Hand a message to its node, or refuse it; return False where it has to wait."""

@@ -232,6 +232,19 @@ def goal_pose(x: float, frame: str = 'map') -> PoseStamped:
     return message
 
 
+def test_an_error_of_one_goal_leaves_no_other_without_an_end(stage: Stage) -> None:
+    """Those that wait with it end as everything is forgotten, which an error leads to."""
+    first, second = Handle('bin'), Handle()
+    stage.offer(first)
+    stage.offer(second)
+    stage.pursuit.cancel = None  # type: ignore[method-assign]
+    stage.locate(0.0)
+    with pytest.raises(TypeError):
+        stage.look()
+    stage.world.reset()
+    assert second.end == 'aborted'
+
+
 def refuse_by_its_pose(stage: Stage) -> None:
     """Let a goal come whose pose is none."""
     stage.publish(goal_pose(math.nan, 'odom'))
