@@ -129,7 +129,7 @@ class ControllerNode(ManagedNode):
         from push_control.unused_settings import unused_settings
         parameters = self._present_parameters
         for unused in unused_settings(parameters.object, parameters.robot, parameters.control,
-                                      is_task=parameters.options.task):
+                                      parameters.supervision, is_task=parameters.options.task):
             self.reporter.log(WARN, str(unused))
         parameters = self._present_parameters
         parameters.check()

@@ -2,11 +2,14 @@
 
 from collections.abc import Iterator
 import dataclasses
+import math
 from typing import NamedTuple
 
 from push_control.law_names import is_own_law
 from push_control.settings import ControlSettings
+from push_control.supervision_settings import SupervisionSettings
 from push_model.parameters import PushedObject, RoundRobot
+from push_model.plan_request import HEADING_TOLERANCE
 from push_primitives.face_points import face_points
 
 # What these settings belong to, in ``ControlSettings``.
@@ -28,21 +31,23 @@ class UnusedSettings(NamedTuple):
     """
     Settings that were set, and have no effect.
 
-    :param names: fields of ``ControlSettings``, at least one.
+    :param names: fields of the settings, at least one.
     :param reason: why, one clause.
+    :param section: of their parameters.
     """
 
     names: tuple[str, ...]
     reason: str
+    section: str = 'control'
 
     def __str__(self) -> str:
         """Return the sentence, with the names of the parameters."""
-        names = ', '.join(f'control.{name}' for name in self.names)
+        names = ', '.join(f'{self.section}.{name}' for name in self.names)
         return f'{names}: set without effect, {self.reason}'
 
 
-def unused_settings(obj: PushedObject, robot: RoundRobot, control: ControlSettings, *,
-                    is_task: bool) -> list[UnusedSettings]:
+def unused_settings(obj: PushedObject, robot: RoundRobot, control: ControlSettings,
+                    supervision: SupervisionSettings, *, is_task: bool) -> list[UnusedSettings]:
     """
     Find settings that were set and have no effect beside the others.
 
@@ -60,6 +65,11 @@ def unused_settings(obj: PushedObject, robot: RoundRobot, control: ControlSettin
         if unused:
             found.append(UnusedSettings(unused, reason))
             listed.update(unused)
+    is_stated = HEADING_TOLERANCE != supervision.heading_tolerance < math.pi
+    if is_task and is_stated and supervision.for_object(obj).heading_tolerance >= math.pi:
+        found.append(UnusedSettings(
+            ('heading_tolerance',), 'as supervision.disc_heading_free frees the round object',
+            section='supervision'))
     return found
 
 

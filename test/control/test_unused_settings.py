@@ -2,9 +2,10 @@
 
 import dataclasses
 
-from helpers.objects import box
+from helpers.objects import bin_, box
 from helpers.push_problems import HOLONOMIC
 from push_control.settings import ControlSettings, LAWS
+from push_control.supervision_settings import SupervisionSettings
 from push_control.unused_settings import DEFAULTS, FEEDBACK, PREDICTION, unused_settings
 import pytest
 
@@ -18,8 +19,8 @@ TINY = dataclasses.replace(box(), outline=(
 
 def names(control, *, obj=None, robot=HOLONOMIC, is_task=False):
     """List the settings that are found without effect."""
-    return [name for unused in unused_settings(obj or box(), robot, control, is_task=is_task)
-            for name in unused.names]
+    unused = unused_settings(obj or box(), robot, control, SupervisionSettings(), is_task=is_task)
+    return [name for item in unused for name in item.names]
 
 
 @pytest.mark.parametrize('is_task', [True, False])
@@ -61,10 +62,25 @@ def test_a_law_steers_no_straight_pushes():
     assert names(control, obj=TINY, is_task=True) == []
 
 
+@pytest.mark.parametrize('is_free', [True, False])
+@pytest.mark.parametrize('is_round', [True, False])
+@pytest.mark.parametrize('is_task', [True, False])
+def test_a_heading_tolerance_that_a_round_object_does_not_have_is_named(
+        is_free: bool, is_round: bool, is_task: bool) -> None:
+    """In a task, where its heading is free and the tolerance neither the default nor a circle."""
+    obj = bin_() if is_round else box()
+    for tolerance in (SupervisionSettings().heading_tolerance, 0.05, 6.28):
+        settings = SupervisionSettings(heading_tolerance=tolerance, disc_heading_free=is_free)
+        unused = unused_settings(obj, HOLONOMIC, ControlSettings(), settings, is_task=is_task)
+        is_named = tolerance == 0.05 and is_free and is_round and is_task
+        assert [str(item).split(':')[0] for item in unused] == (
+            ['supervision.heading_tolerance'] if is_named else [])
+
+
 def test_a_setting_is_named_once_with_its_parameter():
     """Where two reasons hold, with the first of them."""
     control = ControlSettings(control_law='open_loop', max_reapproaches=1, rolling_gain=5.0)
-    found = unused_settings(box(), DIFFERENTIAL, control, is_task=True)
+    found = unused_settings(box(), DIFFERENTIAL, control, SupervisionSettings(), is_task=True)
     assert [unused.names for unused in found] == [('rolling_gain', 'max_reapproaches'),
                                                   ('control_law',)]
     assert str(found[0]) == ('control.rolling_gain, control.max_reapproaches: set without effect, '
