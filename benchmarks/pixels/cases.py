@@ -30,7 +30,7 @@ from push_tags.tag_layout import read_tag_layout
 
 ROBOT = 'turtlebot4'
 # Mass of a carton that the wheels push [kg]; chosen: 7 to 13 N, of the 20 N that they have. From
-# 12 N on they lift the caster (``python -m benchmarks.plant.pushing_force``); with 4 kg some slip.
+# 12 N on they lift the caster (``python -m benchmarks.plant.pushing_force``).
 CARTON_MASS = 3.0
 # Two rooms and a door of 1.4 m, and where object, robot and goal are in it: least and greatest x
 # and y [m]; chosen: the object starts in one room, and its goal is in the other.
