@@ -125,7 +125,7 @@ def fit_pose(start: Pose, corners: CornerPixels, view: View,
             return None
         pose, current = _minimize(pose, _SeenCorners(corners, view, whitening), settings)
         if current is None:
-            return None
+            break
     if current is None:
         return None
     standing, gradient = _standing(pose, view)
