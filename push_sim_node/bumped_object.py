@@ -90,6 +90,11 @@ def displaced_pose(item: PlacedObject, body: PlacedObject | PlacedDisc) -> Pose:
     return item.pose
 
 
+def do_overlap(item: PlacedObject, body: PlacedObject | PlacedDisc) -> bool:
+    """Tell whether an object and a body overlap, however deep."""
+    return not _is_far(item, body) and _overlap(item, body).depth > TOUCHING
+
+
 def held_pose(item: PlacedObject, walls: WallGrid) -> Pose:
     """
     Find where an object is once walls have moved it out of them, as other bodies do.

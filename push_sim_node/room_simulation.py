@@ -19,7 +19,7 @@ from push_model.geometry import Pose, wrap_angle
 from push_model.parameters import RoundRobot
 from push_model.signals import ObjectPose
 from push_sim_node.bumped_object import (
-    displaced_pose, held_pose, outer_radius, PlacedDisc, PlacedObject)
+    displaced_pose, do_overlap, held_pose, outer_radius, PlacedDisc, PlacedObject)
 from push_sim_node.plant import Plant
 from push_sim_node.sensors import SensorSettings
 from push_sim_node.settings import SimulationSettings
@@ -150,21 +150,19 @@ class RoomSimulation:
         """
         Move the objects that robot and pushed object have moved into, one after the other.
 
-        :return: whether the robot has moved into one.
+        :return: whether the robot is in one.
         """
         plant, others = self.simulation.plant, set(self._objects) - {self.pushed}
         x, y, _ = plant.robot_pose
-        bodies: list[PlacedObject | PlacedDisc] = [
-            PlacedDisc(x, y, self.simulation.robot.radius),
-            PlacedObject(self.simulation.obj, plant.object_pose)]
-        is_robot_touching = False
+        robot = PlacedDisc(x, y, self.simulation.robot.radius)
+        is_robot_touching = any(do_overlap(self._objects[name], robot) for name in others)
+        bodies = [robot, PlacedObject(self.simulation.obj, plant.object_pose)]
         while bodies:
             body = bodies.pop()
             for name in sorted(others):
                 item = self._objects[name]
                 pose = displaced_pose(item, body)
                 if pose != item.pose:
-                    is_robot_touching |= isinstance(body, PlacedDisc)
                     held = held_pose(item._replace(pose=pose), self._walls)
                     self._objects[name] = item._replace(pose=_wrapped(held))
                     bodies.append(self._objects[name])

@@ -88,12 +88,13 @@ def test_what_the_robot_bumps_into_gives_way_while_another_is_pushed() -> None:
 @pytest.mark.parametrize('slope', [0.0, 0.3])
 @pytest.mark.parametrize('obj', [box(), bin_()])
 def test_a_wall_holds_what_the_robot_bumps_into(obj: PushedObject, slope: float) -> None:
-    """It gets no farther than the wall; one at a slope it slides along."""
+    """It gets no farther than the wall; one at a slope it slides along. The bumper feels both."""
     walls = Wall(0.9 - 2.0 * slope, -2.0, 0.9 + 2.0 * slope, 2.0),
     several = RoomSimulation(
         {'bin': OBJECTS['bin'], 'other': PlacedObject(obj, Pose(0.5, 0.0, 0.0))}, ROBOT, START,
-        SimulationSettings(walls=walls))
+        SimulationSettings(walls=walls), SensorSettings(bumper_force=2.0))
     drive(several.simulation, 2.5)
+    assert several.simulation.is_bumper_pressed
     assert several.pushed == 'bin'
     pose = several.poses['other']
     corners = obj.outline or [(obj.radius * math.cos(angle), obj.radius * math.sin(angle))
