@@ -132,12 +132,14 @@ def _touch_sides(options: argparse.Namespace) -> int:
 
 
 def _simulation(scenario: 'Scenario', *, has_touch: bool) -> 'Simulation':
+    from push_scenario.simulation.engines import plant_type_of
     from push_sim_node.simulation import Simulation
     start = scenario.start.object.pose
     x = start.x - TOUCH_DISTANCE if has_touch else start.x + AWAY
     robot_pose = start._replace(x=x, theta=0.0)
     return Simulation(scenario.true_object, scenario.true_robot, start, robot_pose,
-                      scenario.simulation, scenario.sensors)
+                      scenario.simulation, scenario.sensors,
+                      plant_type=plant_type_of(scenario))
 
 
 def _calibrate_over_ros(options: argparse.Namespace, arguments: list[str]) -> int:

@@ -110,6 +110,9 @@ def _room(data: dict[str, Any], name: str, at: Location, directory: Path | None)
     if not scenarios:
         raise at.key('objects').error('got none, expected at least one object')
     room = Room(name, str(data.get('description', '')), scenarios, frozenset(without_goal))
+    if room.any_scenario.engine != 'own':
+        raise at.key('engine').error(f'got {room.any_scenario.engine!r}, expected own: other '
+                                     'engines have no objects that stand')
     return room if room.task.map is not None else _on_open_floor(room)
 
 

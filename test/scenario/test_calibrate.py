@@ -10,6 +10,7 @@ import sys
 import time
 
 from geometry_msgs.msg import PoseStamped, PoseWithCovarianceStamped
+from helpers.extras import import_extra
 from helpers.node_bench import bench, REACTION_TIMEOUT
 from push_base.calibration.program import CalibrationProgram
 from push_base.calibration.recording_file import to_csv
@@ -23,6 +24,7 @@ from push_scenario import load_scenario, simulate
 from push_scenario.calibration import cli
 from push_scenario.calibration.ros.calibrator import Calibrator
 from push_scenario.dds.private_network import private_domain, private_environment
+from push_scenario.simulation.loop import make_simulation
 from push_scenario.simulation.result import Outcome
 from push_scenario.terminal_line import TerminalLine
 import pytest
@@ -145,6 +147,15 @@ def test_object_poses_of_both_types_are_recorded(kind: type, tmp_path: Path) -> 
             time.sleep(0.01)
         node.close()
     assert len(programs[0].recording.object_poses) == 1
+
+
+def test_it_drives_the_robot_in_the_engine_of_the_scenario() -> None:
+    """As its runs do."""
+    import_extra('mujoco', 'mujoco')
+    scenario = dataclasses.replace(SCENARIO, engine='mujoco')
+    plant = cli._simulation(scenario, has_touch=False).plant
+    assert type(plant) is type(make_simulation(scenario).plant)
+    assert type(plant) is not type(make_simulation(SCENARIO).plant)
 
 
 def test_without_ros_it_calibrates_the_robot_of_a_scenario(tmp_path, capsys):

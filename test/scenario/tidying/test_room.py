@@ -54,7 +54,8 @@ def test_each_object_has_a_scenario_of_its_own() -> None:
 
 @pytest.mark.parametrize('old, new, key', [
     ('objects:', 'things:', 'objects'), ('goal: {x: 0.3, y: 0.0}', 'gaol: {x: 0.3}', 'gaol'),
-    ('time_limit', 'goal: {x: 1.0}\ntime_limit', 'goal'), ('bin.yaml', 'bun.yaml', 'file')])
+    ('time_limit', 'goal: {x: 1.0}\ntime_limit', 'goal'), ('bin.yaml', 'bun.yaml', 'file'),
+    ('time_limit', 'engine: mujoco\ntime_limit', 'engine')])
 def test_a_mistake_in_a_file_is_named(old: str, new: str, key: str) -> None:
     """Errors name the key."""
     with pytest.raises(ParameterFileError, match=key):
