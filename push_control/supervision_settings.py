@@ -20,9 +20,10 @@ REMAINING_BIAS = 0.5
 # tags whose bias depends on the view are done, with three some look for a certainty that no view
 # gives.
 BIASED_SIGMAS = 2.0
-# The same where the object is seen now and then, and once it is averaged for as long as that pays;
-# chosen: at the limit the tolerances then hold in 995 of 1000 such decisions, and in 99 of 100;
-# with 2 and 1.6 one task of sixty was called done a hundredth of a degree beyond them.
+# The same where the object is seen now and then or after a steered push, and once it is averaged
+# for as long as that pays; chosen: at the limit the tolerances then hold in 995 of 1000 such
+# decisions, and in 99 of 100; with 2 and 1.6 one task of sixty was called done a hundredth of
+# a degree beyond them.
 GLIMPSED_SIGMAS, LIKELY_SIGMAS = 2.6, 2.3
 # Part of the tolerances that pushes aim at, at least; chosen: less takes many taps.
 MIN_AIM = 0.5

@@ -105,6 +105,13 @@ class PushEvent(Cause):
         'has left the floor of its plan: the object is {deviation:.2f} m from the planned path, '
         'at most {limit:.2f} m; the goal is {distance:.0f} mm and {heading:.1f} deg away')
 
+    # The push has failed: no plan moves an object by the little that is in doubt.
+    ARRIVAL_UNCERTAIN = (
+        'the object may be at its goal, but after {time:g} s at rest its poses do not show it: '
+        '{distance:.1f} mm and {heading:.2f} deg beside the goal with standard deviations of '
+        '{position_std:.1f} mm and {heading_std:.2f} deg, at most {position_tolerance:g} mm and '
+        '{heading_tolerance:g} deg')
+
     # The push has failed, but another plan may bring the object to its goal.
     NO_PROGRESS = (
         'comes no nearer to its goal, for {length:.1f} m and {time:.0f} s: that is '

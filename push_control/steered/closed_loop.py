@@ -22,6 +22,7 @@ from push_control.steered.path.path import (
 from push_control.steered.plan_bounds import PlanBounds, planned_length
 from push_control.steered.status import ControllerStatus, Phase
 from push_control.steered.tracking import PushTracker
+from push_control.supervision_settings import GLIMPSED_SIGMAS
 from push_model.events import EventReport, PushEvent, sentence
 from push_model.geometry import FloatArray, Pose, wrap_angle
 from push_model.observation import Observation
@@ -36,11 +37,8 @@ FLOOR_SPACING = 0.1
 # Fraction of the tolerances within which a push has arrived. Chosen: the estimate of the pose is
 # off by some millimetres itself.
 ARRIVAL_TOLERANCE_RATIO = 0.85
-# Standard deviations that must fit between an object at rest and its tolerances. Chosen: those of
-# tasks without a full view; a push at the limit is then called done by mistake in 5 of 1000.
-ARRIVAL_SIGMAS = 2.6
-# Time at rest for which further poses may show that [s]. Chosen: a hundred poses at 20 Hz know a
-# tenth of their noise.
+# Time at rest for which further poses may show that the object is at its goal [s]. Chosen: the
+# mean of a hundred poses, at 20 Hz, errs by a tenth of their noise where errors are independent.
 ARRIVAL_TIME_LIMIT = 5.0
 
 
@@ -335,13 +333,22 @@ class ClosedLoopPush(PushExecution):
         if outcome.is_finished or not is_at_rest(self._tracker.last_odometry.twist):
             return
         rest_time = time if outcome.rest_time is None else outcome.rest_time
-        is_finished = self._is_at_goal(sigmas=ARRIVAL_SIGMAS)
+        is_finished = self._is_at_goal(sigmas=GLIMPSED_SIGMAS)
         self._outcome = outcome._replace(rest_time=rest_time, is_finished=is_finished)
-        if not self._is_at_goal(sigmas=-ARRIVAL_SIGMAS):
+        if not self._is_at_goal(sigmas=-GLIMPSED_SIGMAS):
             self._fail(self._missed_goal())
         elif not is_finished and time - rest_time > ARRIVAL_TIME_LIMIT:
-            # No plan moves an object by the little that is in doubt.
-            self._set_failure(self._missed_goal())
+            self._set_failure(self._uncertain_arrival())
+
+    def _uncertain_arrival(self) -> EventReport:
+        settings, (position_error, heading_error) = self._settings, self._errors
+        position_std, heading_std = self._tracker.pose_deviations(self._target.goal)
+        return PushEvent.ARRIVAL_UNCERTAIN.report(
+            time=ARRIVAL_TIME_LIMIT, distance=1e3 * position_error,
+            heading=math.degrees(abs(heading_error)),
+            position_std=1e3 * position_std, heading_std=math.degrees(heading_std),
+            position_tolerance=1e3 * settings.position_tolerance,
+            heading_tolerance=round(math.degrees(settings.heading_tolerance), 3))
 
     def _missed_goal(self) -> EventReport:
         position_error, heading_error = self._errors
