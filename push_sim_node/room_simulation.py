@@ -107,6 +107,18 @@ class RoomSimulation:
         self.simulation.turn_to(*self._objects[name])
         self.simulation.show_standing(self._walls_beside(name))
 
+    def displace(self, name: str, pose: Pose) -> None:
+        """
+        Move an object, as a person would.
+
+        :param pose: its ``Pose`` afterwards; nothing else is there.
+        """
+        if name == self.pushed:
+            self.simulation.plant.set_object_pose(pose)
+            return
+        self._objects[name] = self._objects[name]._replace(pose=_wrapped(pose))
+        self.simulation.show_standing(self._walls_beside(self.pushed))
+
     def turn_to_nearest(self) -> bool:
         """
         Let the object be pushed that the robot is nearest to; tell whether it is another one.

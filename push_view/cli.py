@@ -11,9 +11,11 @@ import sys
 import time
 import webbrowser
 
+from push_model.files.parameter_files import named_file
 from push_model.optional import how_to_install
 from push_scenario.definition.catalogue import find_scenario
 from push_scenario.definition.loader import read_scenario
+from push_scenario.tidying.room import read_room
 from push_view.live.live_session import LiveSession
 from push_view.server.address import checked_origin, qr_code
 
@@ -47,9 +49,13 @@ def make_parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog='push play', description='Open a page on which you play with the simulation of a '
         'task: drag goal and object, draw walls, change friction and sensors.')
-    parser.add_argument('scenario', nargs='?', default=DEMO, metavar='SCENARIO',
-                        help='path of a scenario file, or name of a scenario of the package, with '
-                        f'a task (default: {DEMO})')
+    scene = parser.add_mutually_exclusive_group()
+    scene.add_argument('scenario', nargs='?', default=DEMO, metavar='SCENARIO',
+                       help='path of a scenario file, or name of a scenario of the package, with '
+                       f'a task (default: {DEMO})')
+    scene.add_argument('--room', default=None, metavar='ROOM',
+                       help='put a room with several objects in order in place of a scenario: '
+                       'path of its file, or name of one of config/rooms')
     parser.add_argument('--port', type=_port, default=PORT,
                         help=f'port of the page, 0 for any that is free (default: {PORT})')
     parser.add_argument('--host', default=None,
@@ -83,11 +89,13 @@ async def _serve(options: argparse.Namespace) -> None:
         from push_view.server.serving import serve
     except ModuleNotFoundError as error:
         raise RuntimeError(how_to_install(error.name) or str(error)) from error
-    session = LiveSession(read_scenario(find_scenario(options.scenario)), time.monotonic)
+    scene = (read_scenario(find_scenario(options.scenario)) if options.room is None
+             else read_room(named_file('rooms', options.room)))
+    session = LiveSession(scene, time.monotonic)
     is_local = options.host is None and options.origin is None
     access = Access(None if is_local else secrets.token_urlsafe(), options.origin)
     callbacks = Callbacks(session.handle, session.set_page_count, lambda: session.scenario_text)
-    title = options.scenario.replace('_', ' ')
+    title = scene.name.replace('_', ' ')
     async with serve(title, session.log, callbacks, host=options.host or LOCAL,
                      port=options.port, access=access) as url:
         print(f'push play: {url} (end with Ctrl-C)', flush=True)

@@ -8,7 +8,7 @@ All quantities have SI units; poses are (x, y, theta) in the world, None stands 
 known.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 import math
 from typing import Any
 
@@ -16,6 +16,7 @@ import numpy as np
 from push_control.perception.view import View
 from push_control.task.status import StateChange
 from push_model.base_knowledge import BaseKnowledge
+from push_model.events import sentence
 from push_model.friction import friction_center
 from push_model.geometry import Coordinates, FloatArray, Pose
 from push_model.parameters import PushedObject, RoundRobot
@@ -24,11 +25,14 @@ from push_model.trajectory import PushTrajectory
 from push_navigation.occupancy_map import OccupancyMap
 from push_navigation.path import Path
 from push_planner.planned_pushes import PlannedPush
+from push_planner.rearrangement.problem import OrderPlan
 from push_planner.refusal_marks import RefusalMarks
 from push_planner.task_plan import TaskPlan
 from push_scenario.definition.floor_map import FREE, OCCUPIED
 from push_scenario.definition.scenario import GoalBounds, Scenario
+from push_scenario.tidying.report import move_text
 from push_sim_node.camera import CameraSettings
+from push_tidy.tidy_supervisor import ObjectState, ObjectStatus
 from push_view.wall_contact import WallContact
 
 Message = dict[str, Any]
@@ -310,3 +314,30 @@ def controls_message(tools: Sequence[str], *, choices: Sequence[Message] = (),
     return {'type': 'controls', 'tools': list(tools), 'choices': list(choices),
             'settings': list(settings), 'calls': list(calls), 'presets': list(presets),
             'owns_time': owns_time}
+
+
+def order_message(time: float, names: Sequence[str], pushed: str, goals: Sequence[Pose | None],
+                  plan: OrderPlan, statuses: Mapping[str, ObjectStatus]) -> Message:
+    """
+    State which objects of a room are moved, in which order and why, from a time on.
+
+    :param time: [s].
+    :param names: of all objects.
+    :param pushed: name of the one that is moved, or was last.
+    :param goals: goal ``Pose`` of each; None where it may stand anywhere.
+    :param plan: ``OrderPlan``; its first move is made now.
+    :param statuses: ``ObjectStatus`` of each, by name.
+    """
+    objects = [statuses[name] for name in names]
+    placed = sum(status.state is ObjectState.AT_GOAL for status in objects)
+    return {'type': 'order', 'time': _rounded_number(time), 'pushed': names.index(pushed),
+            'goals': [None if goal is None else rounded(goal) for goal in goals],
+            'placed': placed, 'goal_count': sum(goal is not None for goal in goals),
+            'text': move_text(plan.moves) if plan.moves else '',
+            'seconds': _rounded_number(plan.time),
+            'states': [{'state': status.state.name.lower(), 'text': status.state.value,
+                        'reason': '' if status.failure is None else sentence(status.failure)}
+                       for status in objects],
+            'moves': [{'index': names.index(move.name), 'pose': rounded(move.end),
+                       'is_temporary': move.is_temporary,
+                       'path': [rounded(point) for point in move.path]} for move in plan.moves]}

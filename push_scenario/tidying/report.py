@@ -1,11 +1,13 @@
 """What became of the objects of a room, as text and as plain values."""
 
+from collections.abc import Sequence
 import json
 import math
 from typing import Any
 
 from push_control.task.code_text import code_text
 from push_model.events import codes, sentence
+from push_planner.rearrangement.problem import Move
 from push_scenario.tidying.tidy import TidyProgress, TidyResult
 
 
@@ -15,13 +17,20 @@ def progress_text(progress: TidyProgress) -> str:
     moves = progress.plan.moves
     if not moves:
         return start
-    first = moves[0]
-    seconds = f'{progress.plan.time:.0f} s left'
+    return f'{start}, {progress.plan.time:.0f} s left: {move_text(moves)}'
+
+
+def move_text(moves: Sequence[Move]) -> str:
+    """
+    Say what the first of some moves is for.
+
+    :param moves: planned, at least one.
+    """
+    first, *later = moves
     if not first.is_temporary:
-        return f'{start}, {seconds}: {first.name} to its goal'
-    after = next((f', as {move.name} is next' for move in moves[1:] if move.name != first.name),
-                 '')
-    return f'{start}, {seconds}: {first.name} out of the way{after}'
+        return f'{first.name} to its goal'
+    after = next((f', as {move.name} is next' for move in later if move.name != first.name), '')
+    return f'{first.name} out of the way{after}'
 
 
 def result_values(result: TidyResult) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from push_model.files.mapping import expect_mapping, Location
 from push_model.files.strict_yaml import load_yaml, parse_yaml
-from push_model.geometry import FloatArray
+from push_model.geometry import FloatArray, Pose
 from push_navigation.settings import MapSettings
 from push_scenario.definition.floor_map import FloorMap, FREE
 from push_scenario.definition.loader import scenario_from_mapping
@@ -62,6 +62,11 @@ class Room:
         if self.task.map is None:
             raise ValueError('Room.scenarios: got a task without a map, expected one')
         return self.task.map
+
+    def with_goal(self, name: str, goal: Pose) -> 'Room':
+        """Change the goal of an object."""
+        scenario = dataclasses.replace(self.scenarios[name], goal=Placement(*goal))
+        return dataclasses.replace(self, scenarios={**self.scenarios, name: scenario})
 
 
 def read_room(path: str | Path) -> Room:

@@ -12,9 +12,13 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from push_localization.localizer import LidarLocalizer
+from push_model.contact import find_contact
 from push_model.events import ObjectFailure, Report
 from push_model.geometry import distance, Pose, wrap_angle
+from push_model.observation import Observation
 from push_model.plan_request import GoalTolerances
+from push_planner.rearrangement.footprints import object_gap
 from push_planner.rearrangement.order import plan_order
 from push_planner.rearrangement.problem import Move, OrderPlan
 from push_scenario.definition.placement import Placement
@@ -28,6 +32,7 @@ from push_scenario.tidying.room import Room
 from push_scenario.tidying.standing_objects import least_gap, TOUCH_GAP, with_obstacles
 from push_sim_node.bumped_object import PlacedObject
 from push_sim_node.room_simulation import RoomSimulation
+from push_sim_node.simulation import Simulation
 from push_sim_node.tape import Tape
 from push_tidy.obstacles import MARGIN_SIGMAS, StandingObject
 from push_tidy.tidy_supervisor import (
@@ -68,6 +73,20 @@ class MoveResult(NamedTuple):
     run: RunResult
     touched: Mapping[str, float]
     progress: TidyProgress
+
+
+class MoveStart(NamedTuple):
+    """
+    Start of a move.
+
+    :param scenario: ``Scenario`` of its pushes.
+    :param robot: what runs on the robot.
+    :param observation: its first measurements.
+    """
+
+    scenario: Scenario
+    robot: TaskControl
+    observation: Observation
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -177,6 +196,16 @@ class RoomRun:
         self._measured = self._measure()
 
     @property
+    def simulation(self) -> Simulation:
+        """The ``Simulation`` of all moves."""
+        return self._simulated.simulation
+
+    @property
+    def localizer(self) -> LidarLocalizer | None:
+        """What finds the robot by scans; None where nothing does."""
+        return self._localizer
+
+    @property
     def poses(self) -> dict[str, Pose]:
         """True ``Pose`` of each object, by name."""
         return self._simulated.poses
@@ -203,9 +232,17 @@ class RoomRun:
         :param progress: called with the ``Progress`` of each measurement.
         """
         before = self._simulated.poses
-        scenario = self._scenario_of(move, before[move.name])
+        start = self.begin(move)
+        run = run_robot(self.simulation, start.robot, start.scenario, start.observation,
+                        progress=progress, localizer=self._localizer)
+        self.end(move, start)
+        return MoveResult(move, run, self._touched(start.scenario, run.tape, before), now)
+
+    def begin(self, move: Move) -> MoveStart:
+        """Let the robot begin a move."""
+        scenario = self._scenario_of(move, self._simulated.poses[move.name])
         self._simulated.turn_to(move.name)
-        simulation = self._simulated.simulation
+        simulation = self.simulation
         observation = first_observation(simulation)
         robot = TaskControl(scenario, scenario.task or self._room.task, PLANNING_TIME,
                             knowledge=self._memory.recall(move.name, simulation.time))
@@ -213,12 +250,33 @@ class RoomRun:
         if self._localizer is not None:
             self._localizer.set_object(scenario.object)
             self._localizer.set_standing(self._standing_beside(move.name))
-        run = run_robot(simulation, robot, scenario, observation, progress=progress,
-                        localizer=self._localizer)
-        self._memory.keep(move.name, robot.supervisor, simulation.time)
-        result = MoveResult(move, run, self._touched(scenario, run.tape, before), now)
+        return MoveStart(scenario, robot, observation)
+
+    def end(self, move: Move, start: MoveStart) -> None:
+        """Keep what the robot knows at the end of a move, and measure where all are then."""
+        self._memory.keep(move.name, start.robot.supervisor, self.simulation.time)
         self._measured = self._measure()
-        return result
+
+    def displace(self, name: str, pose: Pose) -> None:
+        """
+        Move an object, as a person would, and measure where all are then.
+
+        :param pose: its ``Pose`` afterwards.
+        :raises ValueError: where something is in its way; then nothing changes.
+        """
+        room, obj = self._room, self._room.scenarios[name].true_object
+        radius = room.any_scenario.true_robot.radius
+        obstacles = [
+            other for other, standing in self.poses.items() if other != name
+            and object_gap(obj, pose, room.scenarios[other].true_object, standing) < 0.0]
+        if find_contact(obj, pose, self.robot_pose[:2], radius).gap < 0.0:
+            obstacles.append('the robot')
+        if not room.floor_map.read(room.task.map_reading).object_is_free(obj, [pose], 0.0):
+            obstacles.append('a wall')
+        if obstacles:
+            raise ValueError(f'{name} cannot be there: {obstacles[0]} is in the way')
+        self._simulated.displace(name, pose)
+        self._measured = self._measure()
 
     def _touched(self, scenario: Scenario, tape: Tape | None,
                  before: Mapping[str, Pose]) -> dict[str, float]:

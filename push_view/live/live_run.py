@@ -14,7 +14,6 @@ from push_scenario.simulation.loop import (
 from push_scenario.simulation.robot_control import TaskControl
 from push_sim_node.sensors import SensorSettings
 from push_sim_node.simulation import Simulation
-from push_view.belief import belief_columns
 from push_view.live.display import RunDisplay
 from push_view.live.setup import Setup
 from push_view.messages import (
@@ -59,7 +58,7 @@ class LiveRun:
         self._loop = ClosedLoop(self._simulation, self._robot, safety, observation,
                                 localizer=make_localizer(scenario))
         self._display = RunDisplay(log, self._simulation, self._robot, safety,
-                                   len(scenario.object.supports))
+                                   scenario.object)
         self._show_start(setup)
 
     @property
@@ -168,8 +167,7 @@ class LiveRun:
     def _show_start(self, setup: Setup) -> None:
         scenario, log = setup.scenario, self._log
         log.clear()
-        columns = (*self._simulation.columns, *belief_columns(scenario.object))
-        log.add({**scenario_message(scenario, setup.choices['law'], columns),
+        log.add({**scenario_message(scenario, setup.choices['law'], self._display.columns),
                  'description': HELP})
         log.add(truth_message(0.0, scenario.true_object))
         log.add(goal_message(0.0, self.goal))

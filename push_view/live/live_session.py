@@ -8,7 +8,10 @@ import threading
 from typing import Any, TypeVar
 
 from push_scenario.definition.scenario import Scenario
+from push_scenario.tidying.room import Room
+from push_view.live.paced_session import PacedSession
 from push_view.live.preparation import Preparations
+from push_view.live.room_session import RoomSession
 from push_view.live.session import Session
 from push_view.live.setup import Setup
 from push_view.server.commands import AddWall, Choose, CommandRefused, OpenLink, parse_command
@@ -76,16 +79,18 @@ class LiveSession:
 
     Time stands, and nothing is computed, while there is no page, and while nothing happens.
 
-    :param scenario: a ``Scenario`` with a task.
+    :param scene: a ``Scenario`` with a task, or a ``Room``.
     :param clock: function that returns monotonic wall time [s].
     :raises ValueError: where the scenario has no task.
     """
 
-    def __init__(self, scenario: Scenario, clock: Callable[[], float]) -> None:
+    def __init__(self, scene: Scenario | Room, clock: Callable[[], float]) -> None:
         self.log = MessageLog()
-        self._setup = Setup.of(scenario)
+        self._scene = scene
+        self._setups = [Setup.of(scenario) for scenario in (
+            scene.scenarios.values() if isinstance(scene, Room) else [scene])]
         self._clock = clock
-        self._session: Session | None = None
+        self._session: Session | RoomSession | None = None
         self._worker = Worker()
         self._preparations = Preparations(self.log)
         self._choice: asyncio.Task[None] | None = None
@@ -111,7 +116,8 @@ class LiveSession:
         """Prepare the session, then let time pass until this is cancelled."""
         try:
             session = await self._start()
-            self._preparations.start_background(session.setup)
+            if isinstance(session, Session):
+                self._preparations.start_background(session.setup)
             while True:
                 await self._run_until_idle(session)
                 session.show_speed()
@@ -133,23 +139,24 @@ class LiveSession:
         session = self._session
         if session is None:
             raise CommandRefused('the simulation is not ready yet')
-        if isinstance(command, (Choose, OpenLink)):
+        if isinstance(session, Session) and isinstance(command, (Choose, OpenLink)):
             setup = session.setup_after(command)
             if self._choice is not None:
                 self._choice.cancel()
             # In a task: the page that waits for it can do other things meanwhile.
             self._choice = asyncio.create_task(self._start_over(session, command, setup))
             return
-        if isinstance(command, AddWall) and not self._is_ready_for_walls:
+        if (isinstance(session, Session) and isinstance(command, AddWall)
+                and not self._is_ready_for_walls):
             self._is_ready_for_walls = True
             await self._announced('planner for walls', session.prepare_for_walls)
         await self._worker.call(lambda: session.handle(command))
         self._changed.set()
 
-    def _is_idle(self, session: Session) -> bool:
+    def _is_idle(self, session: PacedSession) -> bool:
         return session.paused or session.is_at_rest or not self._page_count
 
-    async def _run_until_idle(self, session: Session) -> None:
+    async def _run_until_idle(self, session: PacedSession) -> None:
         before = shown = self._clock()
         shown_time = session.time
         while not self._is_idle(session):
@@ -164,17 +171,26 @@ class LiveSession:
                 session.show_speed(achieved if achieved > 0.0 else math.nan)
                 shown, shown_time = now, session.time
 
-    async def _start(self) -> Session:
-        async def make() -> Session:
-            session = await self._announced('simulation', lambda: Session(self._setup, self.log))
+    async def _start(self) -> Session | RoomSession:
+        async def make() -> Session | RoomSession:
+            session = await self._announced('simulation', self._make_session)
             # What its user asks for from now on is done after the rehearsal.
             self._session = session
             return session
 
         # Side by side: the first time both are compiled.
-        _, session = await asyncio.gather(self._preparations.wait_for(self._setup), make())
+        _, session = await asyncio.gather(self._prepare(), make())
         await self._announced('controller', session.rehearse)
         return session
+
+    async def _prepare(self) -> None:
+        for setup in self._setups:
+            await self._preparations.wait_for(setup)
+
+    def _make_session(self) -> Session | RoomSession:
+        scene = self._scene
+        return (RoomSession(scene, self.log) if isinstance(scene, Room)
+                else Session(self._setups[0], self.log))
 
     async def _start_over(self, session: Session, command: Choose | OpenLink,
                           setup: Setup) -> None:

@@ -1,43 +1,35 @@
 """Live session: the simulation of a task, which its user disturbs and redirects under way."""
 
-from collections.abc import Callable
 import dataclasses
-import math
-from typing import Any
 
 from push_model.geometry import Pose, wrap_angle
 from push_planner.straight.map_search.planner import warm_up
 from push_view.live.link import link_text, LinkedSetup, read_link
 from push_view.live.live_run import LiveRun
+from push_view.live.paced_session import Handlers, PacedSession
 from push_view.live.saved_scenario import saved_scenario
 from push_view.live.setup import Setup
 from push_view.live.walls import Drawing, Wall
 from push_view.server.commands import (
-    AddWall, Choose, ClearWalls, Command, CommandRefused, DisplaceObject, OpenLink, RemoveWall,
-    Restart, Run, SetGoal, SetValue, Step, UndoWall,
+    AddWall, Choose, ClearWalls, CommandRefused, DisplaceObject, OpenLink, RemoveWall,
+    require_index, Restart, SetGoal, SetValue, UndoWall,
 )
 from push_view.server.message_log import MessageLog
 
-# Time for which nothing must have moved while the robot waits [s]; chosen: long enough to see it.
-REST_TIME = 1.0
 # Longest simulated time of a rehearsal [s]; chosen: only what is not seen has no plan by then.
 REHEARSAL_TIME = 2.0
 
 
-class Session:
+class Session(PacedSession):
     """
     A run under way, what it was made of, and the commands that change both.
-
-    Time passes only in ``advance``.
 
     :param setup: ``Setup`` to start from.
     :param log: where the messages go.
     """
 
     def __init__(self, setup: Setup, log: MessageLog) -> None:
-        self.log = log
-        self.paused = False
-        self.speed = 1.0
+        super().__init__(log)
         self._drawing = Drawing(setup.task.occupancy_map)
         self._start(setup)
 
@@ -45,6 +37,16 @@ class Session:
     def time(self) -> float:
         """Simulated time [s]."""
         return self._run.time
+
+    @property
+    def shown_time(self) -> float:
+        """Time of the last row, at which the page shows what is changed now [s]."""
+        return self._run.shown_time
+
+    @property
+    def poses(self) -> tuple[Pose, ...]:
+        """True ``Pose`` of object and robot."""
+        return self._run.poses
 
     @property
     def is_standing(self) -> bool:
@@ -62,52 +64,26 @@ class Session:
         return saved_scenario(self.setup, self._drawing.occupancy_map)
 
     @property
-    def is_at_rest(self) -> bool:
-        """Tell whether nothing will happen until its user does something."""
-        return self.is_standing and self.time - self._moved_time > REST_TIME
-
-    @property
     def object_pose(self) -> Pose:
         """True ``Pose`` of the object."""
         return self._run.object_pose
 
-    def advance(self, duration: float, is_late: Callable[[], bool] = lambda: False) -> None:
-        """
-        Let simulated time pass.
-
-        :param duration: how much [s]; to the next measurement at least.
-        :param is_late: asked after every measurement whether to stop before.
-        """
-        end = self.time + duration
-        self._run.advance()
-        while self.time < end and not is_late():
-            self._run.advance()
-        self._run.show()
-        if self._run.poses != self._poses or not self.is_standing:
-            self._moved_time, self._poses = self.time, self._run.poses
-
-    def handle(self, command: Command) -> None:
-        """
-        Do what the user asks for.
-
-        :raises CommandRefused: where it cannot be done, with the reason; then nothing changes.
-        """
-        handlers: dict[type[Any], Callable[[Any], None]] = {
+    @property
+    def handlers(self) -> Handlers:
+        """What is done at each type of command."""
+        return {
             SetGoal: self._set_goal, DisplaceObject: self._displace_object,
             AddWall: self._add_wall, RemoveWall: self._remove_wall, UndoWall: self._undo_wall,
             ClearWalls: self._clear_walls, Choose: self._choose, OpenLink: self._open,
-            SetValue: self._set_value, Run: self._set_speed, Step: self._step,
-            Restart: self._restart}
-        if type(command) not in handlers:
-            raise CommandRefused('call: got one to a simulation, expected one to a robot')
-        try:
-            handlers[type(command)](command)
-        except CommandRefused:
-            raise
-        except ValueError as error:
-            raise CommandRefused(str(error)) from error
-        # Something may come of it.
-        self._moved_time = self.time
+            SetValue: self._set_value, Restart: self._restart}
+
+    def advance_once(self) -> None:
+        """Let time pass to the next measurement."""
+        self._run.advance()
+
+    def show(self) -> None:
+        """Send the page what happened."""
+        self._run.show()
 
     def setup_after(self, command: Choose | OpenLink) -> Setup:
         """
@@ -132,21 +108,11 @@ class Session:
         scenario = self._setup.scenario
         warm_up(scenario.object, scenario.robot, self._setup.task.drive)
 
-    def show_speed(self, achieved: float = math.nan) -> None:
-        """
-        Show whether time runs, and how fast.
-
-        :param achieved: simulated over real time, as measured; nan where it is not known.
-        """
-        self.log.replace({'type': 'run', 'paused': self.paused, 'speed': self.speed,
-                          'achieved': None if math.isnan(achieved) else round(achieved, 1),
-                          'at_rest': self.is_at_rest})
-
     def _start(self, setup: Setup) -> None:
         """Start over, with the walls that are there."""
         self._run = LiveRun(setup, self._drawing.occupancy_map, self.log)
         self._setup = setup
-        self._moved_time, self._poses = 0.0, self._run.poses
+        self._note_motion()
         self.show_speed()
         self._show_setup()
 
@@ -159,14 +125,16 @@ class Session:
         self.log.replace({'type': 'link', 'link': link_text(self.setup, walls)})
 
     def _set_goal(self, command: SetGoal) -> None:
+        require_index('goal', command.object_index, 1)
         self._run.set_goal(self._near_object(command.pose))
         self._show_setup()
 
     def _displace_object(self, command: DisplaceObject) -> None:
+        require_index('displace', command.object_index, 1)
         self._run.displace_object(self._near_object(command.pose))
         if self.paused:
             # Where it is now is seen in the next row.
-            self._advance_by_a_row()
+            self.advance_by_a_row()
 
     def _near_object(self, pose: Pose) -> Pose:
         """Count the heading by the short side round from that of the object."""
@@ -217,21 +185,6 @@ class Session:
         if scenario.sensors != before.scenario.sensors:
             self._run.set_sensors(scenario.sensors)
         self._show_setup()
-
-    def _set_speed(self, command: Run) -> None:
-        self.paused = self.paused if command.paused is None else command.paused
-        self.speed = command.speed or self.speed
-        self.show_speed()
-
-    def _step(self, _: Step) -> None:
-        self.paused = True
-        self.show_speed()
-        self._advance_by_a_row()
-
-    def _advance_by_a_row(self) -> None:
-        shown = self._run.shown_time
-        while self._run.shown_time == shown:
-            self.advance(0.0)
 
     def _restart(self, _: Restart) -> None:
         self._start(self._setup.with_goal(self._run.goal))

@@ -60,19 +60,24 @@ class Camera {
     const add = (x, y, margin) => { xs.push(x - margin, x + margin); ys.push(y - margin, y + margin); };
     const scene = recording.scene;
     if (!scene || !this.width) return;
-    const extent = Math.max(...outlineOf(scene.object).map((vertex) => Math.hypot(...vertex)));
+    const extent = Math.max(...(scene.objects || [scene.object]).flatMap((object) => outlineOf(object).map((vertex) => Math.hypot(...vertex))));
     const shown = recording.isLive ? this.recent(recording) : recording.paths;
     const goals = recording.isLive ? recording.goals.slice(-1) : recording.goals;
     for (const point of shown.object) add(point[0], point[1], extent);
     for (const point of shown.robot) add(point[0], point[1], scene.robot.radius);
     for (const goal of goals) add(goal.pose[0], goal.pose[1], extent);
+    const order = recording.latest('order', Infinity);
+    if (order) {
+      for (const body of ['object', 'goal']) draggable(recording, recording.end, body).forEach(({ pose }) => add(pose[0], pose[1], extent));
+      for (const move of order.moves) add(move.pose[0], move.pose[1], extent);
+    }
     for (const wall of recording.walls) {
       add(wall[0], wall[1], 0);
       add(wall[2], wall[3], 0);
     }
     if (scene.camera && scene.camera.place === 'room') add(...scene.camera.mount.slice(0, 2), 0.2);
     const map = recording.latest('map', Infinity);
-    if (map && map.rows.length && map.rows.length * map.resolution < 8) {
+    if (map && map.rows.some((row) => row.includes('#')) && map.rows.length * map.resolution < 8) {
       for (const corner of [[0, 0], [1, 0], [0, 1], [1, 1]]) {
         add(...transform(map.origin, [corner[0] * map.rows[0].length * map.resolution,
                                       corner[1] * map.rows.length * map.resolution]), 0);

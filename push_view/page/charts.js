@@ -32,7 +32,7 @@ const CHARTS = [
       return Math.atan2(columns.force_t[row], columns.force_n[row]) / DEGREE;
     },
     bounds: (recording, time) => {
-      const truth = recording.latest('truth', time) || recording.scene.object;
+      const truth = recording.latest('truth', time) || recording.sceneAt(time).object;
       const half = Math.atan(truth.contact_friction) / DEGREE;
       return [-half, half];
     } },
@@ -154,7 +154,7 @@ class Chart {
   shadePushes(c, recording, colors) {
     c.globalAlpha = 0.2;
     for (const push of recording.pushes()) {
-      c.fillStyle = colors['push-' + push.number % PUSH_COLOR_COUNT];
+      c.fillStyle = colors[recording.pushColor(push.number, push.start)];
       const left = this.x(Math.max(push.start, this.start)), right = this.x(Math.min(push.end, this.end));
       if (right > left) c.fillRect(left, 0, right - left, this.height - BOTTOM);
     }

@@ -22,6 +22,7 @@ class Editor {
     this.canvas = canvas;
     this.app = app;
     this.edit = null;
+    this.index = 0;  // of what was dragged last, which keys move
     this.pointers = new Map();
     canvas.addEventListener('pointerdown', (event) => this.onDown(event));
     canvas.addEventListener('pointermove', (event) => this.onMove(event));
@@ -50,32 +51,37 @@ class Editor {
     this.app.redraw();
   }
 
-  poseOf(body) {
+  // All that can be dragged, what the tool is for first: {body, index, pose}.
+  get items() {
     const { recording, player } = this.app;
-    if (body === 'object') return poseOf(recording.at(player.time), 'object');
-    const goal = recording.latest('goal', Infinity);
-    return goal ? goal.pose.slice() : poseOf(recording.at(player.time), 'object');
+    return (this.tool === 'object' ? ['object', 'goal'] : ['goal', 'object']).filter((body) => this.canDrag(body)).flatMap(
+      (body) => draggable(recording, player.time, body).map((item) => ({ body, ...item })));
   }
 
-  // What a pointer takes hold of: {body, isRotation}, or null for the floor.
+  // What a pointer takes hold of: {body, index, pose, isRotation}, or null for the floor.
   grip(x, y) {
     const { floor, camera, recording } = this.app;
     if (!this.canEdit || recording.isEmpty || !floor.outline) return null;
-    const point = camera.toFloor(x, y);
-    const bodies = this.tool === 'object' ? ['object', 'goal'] : ['goal', 'object'];
-    for (const body of bodies) {
-      const [u, v] = camera.toScreen(floor.handleOf(this.poseOf(body)));
-      if (this.canDrag(body) && Math.hypot(u - x, v - y) < NEAR) return { body, isRotation: true };
+    const point = camera.toFloor(x, y), { items } = this;
+    for (const item of items) {
+      const [u, v] = camera.toScreen(floor.handleOf(item.pose, outlineAt(recording.scene, item.index)));
+      if (Math.hypot(u - x, v - y) < NEAR) return { ...item, isRotation: true };
     }
-    for (const body of bodies) {
-      const pose = this.poseOf(body), [dx, dy] = [point[0] - pose[0], point[1] - pose[1]];
+    for (const item of items) {
+      const { pose } = item, [dx, dy] = [point[0] - pose[0], point[1] - pose[1]];
       const c = Math.cos(pose[2]), s = Math.sin(pose[2]);
-      if (this.canDrag(body) && isInside([c * dx + s * dy, -s * dx + c * dy], floor.outline)) return { body, isRotation: false };
+      if (isInside([c * dx + s * dy, -s * dx + c * dy], outlineAt(recording.scene, item.index))) return { ...item, isRotation: false };
     }
     return null;
   }
 
   canDrag(body) { return (this.app.tools || []).includes(body); }
+
+  nameOf({ body, index }) {
+    const { objects } = this.app.recording.scene;
+    if (!objects) return body;
+    return body === 'goal' ? `goal of ${objects[index].name}` : objects[index].name;
+  }
 
   // Number of the wall that a click would remove; -1 where it removes none.
   wallUnder(x, y) {
@@ -95,7 +101,7 @@ class Editor {
     else if (this.tool === 'wall') cursor = 'crosshair';
     else if (event && this.tool !== 'pan') {
       const grip = this.grip(event.offsetX, event.offsetY);
-      if (grip) title = grip.isRotation ? `drag: rotate the ${grip.body}` : `drag: move the ${grip.body}`;
+      if (grip) title = `drag: ${grip.isRotation ? 'rotate' : 'move'} the ${this.nameOf(grip)}`;
       if (grip) cursor = grip.isRotation ? 'alias' : 'move';
     }
     if (this.canvas.style.cursor !== cursor) this.canvas.style.cursor = cursor;
@@ -118,8 +124,9 @@ class Editor {
       const grip = this.grip(event.offsetX, event.offsetY);
       if (!grip) return;
       if (grip.body !== this.tool) this.setTool(grip.body);
-      const pose = this.poseOf(grip.body);
-      this.edit = { ...grip, pose, offset: [point[0] - pose[0], point[1] - pose[1]] };
+      const { pose } = grip;
+      this.index = grip.index;
+      this.edit = { ...grip, offset: [point[0] - pose[0], point[1] - pose[1]] };
     }
     this.hover(event);
     this.app.redraw();
@@ -189,7 +196,7 @@ class Editor {
     if (edit.body === 'wall') {
       if (edit.from) this.app.send({ type: 'wall', start: edit.from, end: edit.to });
     } else {
-      this.app.send({ type: edit.body === 'goal' ? 'goal' : 'displace', pose: edit.pose });
+      this.app.send({ type: edit.body === 'goal' ? 'goal' : 'displace', pose: edit.pose, index: edit.index });
     }
   }
 
@@ -222,8 +229,9 @@ class Editor {
 
   startEdit() {
     if (this.edit) return;
+    const item = this.items.find(({ body, index }) => body === this.tool && index === this.index) || this.items[0];
     this.edit = this.tool === 'wall' ? { body: 'wall', from: null, to: snapPoint(this.app.camera.center) }
-      : { body: this.tool, isRotation: false, pose: this.poseOf(this.tool) };
+      : { ...item, isRotation: false };
   }
 
   move(dx, dy) {

@@ -21,18 +21,20 @@ class Floor extends Pen {
   draw(recording, time, edit) {
     if (!this.camera.canvas.width) return;  // nothing is seen of it yet
     this.ground.show(this, recording, time);
-    const scene = recording.scene;
+    const scene = recording.sceneAt(time), order = scene && recording.latest('order', time);
     if (!scene) return;
     this.outline = outlineOf(scene.object);
     const goal = recording.latest('goal', time);
     this.drawHoveredWall(recording.walls[this.hoveredWall]);
     this.drawGhost(recording.shownGhost, time);
+    if (order) drawRoom(this, recording, time, edit);
     drawPlanned(this, recording, time, goal);
-    if (goal && !(edit && edit.body === 'goal')) this.drawGoal(goal.pose);
-    if (!recording.isEmpty) this.drawBodies(recording, time);
+    if (goal && !order && !(edit && edit.body === 'goal')) this.drawGoal(goal.pose);
+    if (!recording.isEmpty) this.drawBodies(recording, time, order ? objectColor(this, scene, order.pushed) : this.colors.object);
+    if (order && !recording.isEmpty) drawNames(this, recording, time);
     this.drawDisplacement(recording.latest('displacement', time), time);
     this.drawCollisions(recording, time, goal);
-    if (edit) this.drawEdit(edit);
+    if (edit) this.drawEdit(edit, scene);
     this.drawCaption(recording, time);
   }
 
@@ -46,7 +48,7 @@ class Floor extends Pen {
     c.font = '600 16px system-ui, sans-serif';
     c.textAlign = 'left';
     c.textBaseline = 'top';
-    c.fillStyle = this.colors['push-' + (count - 1) % PUSH_COLOR_COUNT];
+    c.fillStyle = this.colors[recording.pushColor(count - 1, time)];
     c.fillText(isWhole ? `push ${count} of ${pushes.length}` : `push ${count}`, 44, 10);
   }
 
@@ -71,12 +73,12 @@ class Floor extends Pen {
   }
 
   // The box from above: its shadow, its sides, and its lid.
-  drawSolidObject(pose) {
-    const { object, paper } = this.colors, vertices = this.outline;
+  drawSolidObject(pose, color) {
+    const { paper } = this.colors, vertices = this.outline;
     const shadow = [pose[0] + SHADOW[0], pose[1] + SHADOW[1], pose[2]];
     this.shape(vertices.map((vertex) => transform(shadow, vertex)), { fill: SHADOW_COLOR, alpha: 0.16 });
     this.shape(vertices.map((vertex) => transform(pose, vertex)), { fill: paper });
-    this.drawObject(pose, { fill: object, stroke: object, width: 2.5, alpha: 0.3 });
+    this.drawObject(pose, { fill: color, stroke: color, width: 2.5, alpha: 0.3 });
     this.shape(vertices.map((vertex) => transform(pose, vertex.map((value) => LID * value))), { fill: paper, alpha: 0.5 });
   }
 
@@ -98,15 +100,15 @@ class Floor extends Pen {
     this.line([pose, transform(pose, [radius, 0])], style.stroke, style.width, style.dash);
   }
 
-  drawGoal(pose, isEdited = false) {
-    const style = { stroke: this.colors.goal, width: isEdited ? 4 : 2.8, dash: [8, 4] };
+  drawGoal(pose, isEdited = false, color = null) {
+    const stroke = color || this.colors.goal, style = { stroke, width: isEdited ? 4 : 2.8, dash: [8, 4] };
     this.drawObject(pose, style);
-    this.drawHandle(pose, this.colors.goal);
+    this.drawHandle(pose, stroke);
   }
 
   // A ring ahead of the front: what rotates it.
-  handleOf(pose) {
-    const front = Math.max(...this.outline.map((vertex) => vertex[0]));
+  handleOf(pose, outline = this.outline) {
+    const front = Math.max(...outline.map((vertex) => vertex[0]));
     return transform(pose, [front + 26 / this.camera.scale, 0]);
   }
 
@@ -117,17 +119,17 @@ class Floor extends Pen {
     this.circle(handle, 7, { fill: this.colors.paper, stroke: color, width: 2.5 });
   }
 
-  drawBodies(recording, time) {
-    const values = recording.at(time), scene = recording.scene, colors = this.colors;
+  drawBodies(recording, time, bodyColor) {
+    const values = recording.at(time), scene = recording.sceneAt(time), colors = this.colors;
     const truth = recording.latest('truth', time);
-    const object = poseOf(values, 'object'), robot = poseOf(values, 'robot');
+    const object = recording.objectPose(values, time), robot = poseOf(values, 'robot');
     const isObjectSeen = isSeen(values), camera = scene.camera && cameraPose(scene.camera, robot);
     if (camera) drawView(this, scene.camera, camera, isObjectSeen);
     // What nobody sees is an outline.
-    if (isObjectSeen) this.drawSolidObject(object);
-    else this.drawObject(object, { stroke: colors.object, width: 1.5, dash: [2, 4] });
+    if (isObjectSeen) this.drawSolidObject(object, bodyColor);
+    else this.drawObject(object, { stroke: bodyColor, width: 1.5, dash: [2, 4] });
     this.drawSupports(scene, truth, object);
-    if (this.canDragObject) this.drawHandle(object, colors.object);
+    if (this.canDragObject) this.drawHandle(object, bodyColor);
     this.drawSolidRobot(robot, scene.robot);
     if (camera) drawCameraSign(this, camera);
     this.drawBelief(values, scene, object);
@@ -252,11 +254,13 @@ class Floor extends Pen {
     }
   }
 
-  drawEdit(edit) {
-    if (edit.body === 'goal') this.drawGoal(edit.pose, true);
+  drawEdit(edit, scene) {
+    const color = objectColor(this, scene, edit.index) || this.colors.object;
+    if (edit.body !== 'wall') this.outline = outlineAt(scene, edit.index);
+    if (edit.body === 'goal') this.drawGoal(edit.pose, true, objectColor(this, scene, edit.index));
     if (edit.body === 'object') {
-      this.drawObject(edit.pose, { stroke: this.colors.object, width: 3, dash: [4, 4] });
-      this.drawHandle(edit.pose, this.colors.object);
+      this.drawObject(edit.pose, { stroke: color, width: 3, dash: [4, 4] });
+      this.drawHandle(edit.pose, color);
     }
     if (edit.body === 'wall') {
       const width = Math.max(3, 0.1 * this.camera.scale);

@@ -113,8 +113,9 @@ function drawTrails(pen, recording, start, end) {
   pen.line(recording.path('robot', start, end), pen.colors.faint, 1.5, [1, 4], JUMP);
   for (const push of recording.pushes()) {
     if (push.start > end || push.end < start) continue;
-    const color = pen.colors['push-' + push.number % PUSH_COLOR_COUNT];
+    const color = pen.colors[recording.pushColor(push.number, push.start)];
     pen.line(recording.path('object', Math.max(push.start, start), Math.min(push.end, end)), color, 3.5, [], JUMP);
-    if (push.start > start) pen.label(String(push.number + 1), poseOf(recording.at(push.start), 'robot'), color);
+    // In a room numbers are those of moves.
+    if (push.start > start && !recording.scene.objects) pen.label(String(push.number + 1), poseOf(recording.at(push.start), 'robot'), color);
   }
 }

@@ -117,8 +117,8 @@ class App {
     this.player.ownsTime = message.owns_time;
     const shown = {
       tools: this.canEdit, restart: message.owns_time, 'clear-walls': message.tools.includes('wall'),
-      undo: message.tools.includes('wall'), 'copy-link': message.owns_time, save: message.owns_time,
-      'choice-section': message.choices.length > 0, 'sensor-section': message.settings.length > 0,
+      undo: message.tools.includes('wall'), 'copy-link': message.choices.length > 0, save: message.choices.length > 0,
+      'choice-section': message.owns_time, 'sensor-section': message.settings.length > 0,
       calls: message.calls.length > 0, 'speed-choice': message.owns_time };
     for (const [id, isShown] of Object.entries(shown)) byId(id).hidden = !isShown;
     for (const radio of document.getElementsByName('tool')) {
@@ -130,6 +130,7 @@ class App {
     if (!this.canEdit) this.editor.setTool('pan');
     this.panel.showControls(message, (answer) => this.send(answer));
     this.session.showPresets(message.presets);
+    byId('hint-walls').hidden = !message.tools.includes('wall');
     if (message.owns_time) {
       this.session.showHint();
       this.session.openLink();

@@ -69,6 +69,7 @@ class Panel {
     this.onTime = onTime;
     this.charts = CHARTS.map((definition) => new Chart(definition, byId('charts'), onTime));
     this.values = new Map();
+    this.room = new RoomPanel();
     this.renewedAt = -Infinity;
     this.eventsVersion = '';
     this.inputs = new Map();
@@ -82,14 +83,21 @@ class Panel {
     const scene = recording.scene;
     setText(byId('title'), scene.title);
     setText(byId('description'), scene.description);
-    const body = byId('friction').tBodies[0];
-    body.textContent = '';
-    this.friction = scene.object.supports.map((support, i) => this.frictionRow(
-      body, `foot ${i + 1} (${support[0].toFixed(2)}, ${support[1].toFixed(2)})`, `friction.${i}`));
-    this.friction.push(this.frictionRow(body, 'contact', 'contact_friction'));
+    this.room.setScene(scene);
+    this.setFriction(scene.object);
     this.setBase(recording.scene);
     this.eventsVersion = '';
     this.inputs.clear();
+  }
+
+  // Rows for each foot of the object that is pushed.
+  setFriction(object) {
+    const body = byId('friction').tBodies[0];
+    body.textContent = '';
+    this.object = object;
+    this.friction = object.supports.map((support, i) => this.frictionRow(
+      body, `foot ${i + 1} (${support[0].toFixed(2)}, ${support[1].toFixed(2)})`, `friction.${i}`));
+    this.friction.push(this.frictionRow(body, 'contact', 'contact_friction'));
   }
 
   // A differential drive has least speeds of its wheels only.
@@ -122,6 +130,9 @@ class Panel {
     this.renewedAt = now;
     const values = recording.at(time), state = recording.latest('state', time);
     const ending = recording.latest('ending', time);
+    const { object } = recording.sceneAt(time);
+    if (object !== this.object) this.setFriction(object);
+    this.room.show(recording, time);
     this.showState(state, ending);
     this.showValues(recording, values, time);
     this.showFriction(recording, values, time);
@@ -167,7 +178,7 @@ class Panel {
       this.setValue('object seen', isSeen(values) ? 'yes' : 'no');
     }
     this.showOutlook(recording, time);
-    const truth = recording.latest('truth', time), center = recording.scene.object.friction_center;
+    const truth = recording.latest('truth', time), center = recording.sceneAt(time).object.friction_center;
     if (truth) {
       const x = values('believed_center_x'), y = values('believed_center_y');
       const believed = Number.isFinite(x) ? [x, y] : center;
@@ -190,7 +201,7 @@ class Panel {
   }
 
   showFriction(recording, values, time) {
-    const truth = recording.latest('truth', time), nominal = recording.scene.object;
+    const truth = recording.latest('truth', time), nominal = recording.sceneAt(time).object;
     const text = (value) => Number.isFinite(value) ? value.toFixed(2) : '–';
     this.friction.forEach((cells, i) => {
       const isContact = i === this.friction.length - 1;
@@ -213,7 +224,7 @@ class Panel {
   }
 
   showEvents(recording, time) {
-    const version = `${recording.states.length},${recording.goals.length},${recording.displacements.length},${recording.collisions.length},${recording.endings.length}`;
+    const version = `${recording.states.length},${recording.goals.length},${recording.orders.length},${recording.displacements.length},${recording.collisions.length},${recording.endings.length}`;
     if (version !== this.eventsVersion) {
       this.eventsVersion = version;
       this.listEvents(recording);
@@ -236,7 +247,8 @@ class Panel {
         const state = stateName(message), name = state === 'push' ? `push ${pushes}` : STATES[state] || state;
         return [message.time, message.reason ? `${name}: ${message.reason}` : name];
       }),
-      ...recording.goals.slice(1).map((message) => [message.time, 'new goal']),
+      ...recording.orders.filter((message) => message.text).map((message) => [message.time, message.text]),
+      ...(recording.scene.objects ? [] : recording.goals.slice(1)).map((message) => [message.time, 'new goal']),
       ...recording.displacements.map((message) => [message.time, 'somebody moves the object']),
       ...recording.collisions.map((message) => [message.time, `the ${message.body} touches a wall`]),
       ...recording.endings.map((message) => [message.time, `run over: ${[message.outcome, ...(message.missed || [])].join('; ')}`]),

@@ -20,11 +20,12 @@ function drawPlanned(floor, recording, time, goal) {
 function drawPlan(floor, recording, plan, isPushing, time) {
   const first = recording.pushes().filter((push) => push.start <= time).length - (isPushing ? 1 : 0);
   const pushes = [{ pose: plan.object[plan.object.length - 1], robot: plan.robot[0], approach: plan.approach }, ...plan.later];
-  const isNumbered = pushes.length > 1;
+  // In a room numbers are those of moves.
+  const isNumbered = pushes.length > 1 && !recording.scene.objects;
   floor.line(plan.object, floor.colors.plan, 2, [7, 4]);
   let before = pushes[0].pose;
   pushes.forEach((push, i) => {
-    const number = first + i, color = floor.colors['push-' + number % PUSH_COLOR_COUNT];
+    const number = first + i, color = floor.colors[recording.pushColor(number, time)];
     if (!isPushing || i) {
       floor.line(push.approach, color, 1.2, WAY_DASH);
       if (push.robot) floor.drawRobot(push.robot, recording.scene.robot.radius, { stroke: color, width: 1, dash: GHOST_DASH });

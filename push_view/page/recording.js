@@ -1,7 +1,7 @@
 'use strict';
 // A run as its messages describe it: columns of numbers over time, and what held from when on.
 
-const KINDS = ['state', 'goal', 'plan', 'refusal', 'map', 'truth', 'base', 'displacement', 'collision', 'ending'];
+const KINDS = ['state', 'goal', 'plan', 'refusal', 'order', 'map', 'truth', 'base', 'displacement', 'collision', 'ending'];
 // Columns that change in steps.
 const STEPS = ['mode', 'object_seen'];
 const ANGLES = /(_theta|_angle|^normal)$/;
@@ -37,7 +37,7 @@ class Recording {
 
   // Keep what has been as the run before, to be shown beside the next one.
   takeGhost() {
-    if (!this.time || this.time.length < LEAST_GHOST) return;
+    if (!this.time || this.time.length < LEAST_GHOST || this.scene.objects) return;
     const { scene, time, columns, goals, truths } = this, { rowAt, at, latest } = Recording.prototype;
     this.ghost = { scene, time, columns, goals, truths, isEmpty: false, rowAt, at, latest };
   }
@@ -125,6 +125,24 @@ class Recording {
   latest(kind, time) {
     const list = this[kind + 's'];
     return list[lastNotLater(list, time + 1e-9, (message) => message.time)] || null;
+  }
+
+  // The scene, with the object that is pushed at a time.
+  sceneAt(time) {
+    const { scene } = this, order = scene && scene.objects ? this.latest('order', time) : null;
+    return order ? { ...scene, object: scene.objects[order.pushed] } : scene;
+  }
+
+  // Where the object that is pushed is, as of values at a time.
+  objectPose(values, time) {
+    const order = this.scene.objects ? this.latest('order', time) : null;
+    return poseOf(values, order ? `body_${order.pushed}` : 'object');
+  }
+
+  // Name of the colour of a push: its own, or in a room that of its object.
+  pushColor(number, time) {
+    const order = this.scene.objects ? this.latest('order', time) : null;
+    return 'push-' + (order ? order.pushed : number) % PUSH_COLOR_COUNT;
   }
 
   // Whether a push begins with a state: reasons may change under way.

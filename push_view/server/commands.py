@@ -27,22 +27,26 @@ class CommandRefused(ValueError):
 
 class SetGoal(NamedTuple):
     """
-    Bring the object there.
+    Bring an object there.
 
     :param pose: goal ``Pose`` of the object.
+    :param object_index: which object, 0 for the first.
     """
 
     pose: Pose
+    object_index: int = 0
 
 
 class DisplaceObject(NamedTuple):
     """
-    Move the object, as a person would.
+    Move an object, as a person would.
 
     :param pose: ``Pose`` of the object afterwards.
+    :param object_index: which object, 0 for the first.
     """
 
     pose: Pose
+    object_index: int = 0
 
 
 class AddWall(NamedTuple):
@@ -166,6 +170,19 @@ def parse_command(text: str) -> Command:
     return reader(kind, values)
 
 
+def require_index(kind: str, index: int, count: int) -> None:
+    """
+    Check which object a command is about.
+
+    :param kind: of the command.
+    :param count: of objects.
+    :raises CommandRefused: where there is no such object.
+    """
+    if not 0 <= index < count:
+        raise CommandRefused(f'{kind}.index: got {index}, expected 0 to {count - 1}, one of '
+                             f'{count} objects')
+
+
 def _quoted(value: object) -> str:
     text = repr(value)
     return text if len(text) <= QUOTED else text[:QUOTED] + '...'
@@ -195,11 +212,18 @@ def _point(kind: str, name: str, values: Mapping[str, Any]) -> tuple[float, floa
     return x, y
 
 
+def _whole_number(kind: str, name: str, value: object) -> int:
+    if not isinstance(value, int) or isinstance(value, bool):
+        raise CommandRefused(f'{kind}.{name}: got {_quoted(value)}, expected a whole number')
+    return value
+
+
+def _index(kind: str, values: Mapping[str, Any]) -> int:
+    return _whole_number(kind, 'index', values.get('index', 0))
+
+
 def _remove_wall(kind: str, values: Mapping[str, Any]) -> RemoveWall:
-    wall = values.get('wall')
-    if not isinstance(wall, int) or isinstance(wall, bool):
-        raise CommandRefused(f'{kind}.wall: got {_quoted(wall)}, expected a whole number')
-    return RemoveWall(wall)
+    return RemoveWall(_whole_number(kind, 'wall', values.get('wall')))
 
 
 def _open(kind: str, values: Mapping[str, Any]) -> OpenLink:
@@ -243,8 +267,10 @@ def _run(kind: str, values: Mapping[str, Any]) -> Run:
 
 # Reader of each command, and its fields; None where their names are checked later.
 _READERS: dict[str, tuple[Callable[[str, Mapping[str, Any]], Command], tuple[str, ...] | None]] = {
-    'goal': (lambda kind, values: SetGoal(_pose(kind, values)), ('pose',)),
-    'displace': (lambda kind, values: DisplaceObject(_pose(kind, values)), ('pose',)),
+    'goal': (lambda kind, values: SetGoal(_pose(kind, values), _index(kind, values)),
+             ('pose', 'index')),
+    'displace': (lambda kind, values: DisplaceObject(_pose(kind, values), _index(kind, values)),
+                 ('pose', 'index')),
     'wall': (lambda kind, values: AddWall(_point(kind, 'start', values),
                                           _point(kind, 'end', values)), ('start', 'end')),
     'remove_wall': (_remove_wall, ('wall',)),
