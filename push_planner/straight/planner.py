@@ -79,6 +79,11 @@ def plan_straight_push(request: PlanRequest, robot: RoundRobot,
     """
     settings, drive = settings or PlannerSettings(), drive or DriveSettings()
     request = checked_request(request, robot)
+    if request.cone_fraction < 1.0 and request.is_heading_free:
+        # Pushes from where the robot stood have passed by the goal. With a heading the costs
+        # differ more by the side that is pushed: it goes round. The present one needs no rotation.
+        request = request._replace(goal=request.goal._replace(theta=request.object_pose.theta),
+                                   heading_tolerance=HEADING_TOLERANCE)
     primitives = primitives_for(request, robot, drive)
     paths = paths or ApproachPaths(request, robot, settings, drive)
     to_object = request.object_pose.inverse()

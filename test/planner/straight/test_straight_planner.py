@@ -10,7 +10,8 @@ from push_control.supervision_settings import SupervisionSettings
 from push_control.task.repeated_pushes import cost_settings
 from push_model.geometry import Pose, wrap_angle
 from push_model.parameters import PushedObject, RoundRobot, Support
-from push_model.plan_request import PlanFailure, PlanRequest
+from push_model.plan_request import (
+    ANY_HEADING, HEADING_TOLERANCE, PlanFailure, PlanRequest)
 from push_model.trajectory import PushStyle
 from push_navigation.settings import DriveSettings
 from push_planner.problem import PlanningFailed
@@ -58,6 +59,17 @@ def test_what_the_first_task_needs_is_made_before_it(
     planner.warm_up(obj, robot, DriveSettings())
     assert loaded == [cost_settings(ControlSettings(), SupervisionSettings().for_object(obj),
                                     DriveSettings(), robot)]
+
+
+def test_after_failed_attempts_a_free_heading_is_kept(robot: RoundRobot) -> None:
+    """The robot then goes round an object that it has pushed past its goal."""
+    goal = Pose(HERE.x + 0.03, HERE.y, HERE.theta + 2.0)
+    plans = [plan_straight_push(request(goal=end, heading_tolerance=tolerance, cone_fraction=0.8),
+                                robot)
+             for end, tolerance in ((goal, ANY_HEADING),
+                                    (goal._replace(theta=HERE.theta), HEADING_TOLERANCE))]
+    assert plans[0].expected_time == plans[1].expected_time
+    np.testing.assert_array_equal(*(plan.trajectory.robot_poses for plan in plans))
 
 
 @pytest.mark.parametrize('goal', GOALS)
