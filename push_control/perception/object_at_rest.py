@@ -30,9 +30,9 @@ MAX_OUTLIER_RATIO = 1.0 / 3.0
 # thousand averages of independent errors.
 MIN_CORRELATED, CORRELATED_SIGMAS = 20, 4.0
 # Poses from which on it is told whether their stated errors differ from pose to pose, and the part
-# of their variance below which these mostly do not; chosen: independent errors of ten poses vary
-# less in one average of a hundred.
-MIN_COMMON, COMMON_RATIO = 6, 0.3
+# of their variance below which these mostly do not; chosen. Fewer poses must vary still less, as
+# independent errors of a heading do in one average of twenty (standard deviations of a normal).
+MIN_COMMON, COMMON_RATIO, COMMON_SIGMAS = 6, 0.3, 1.645
 # Motion of an object at rest that shows a push too short to be seen at once, in standard errors;
 # chosen.
 PUSHED_SIGMAS = 3.0
@@ -255,20 +255,27 @@ def _common_errors(samples: Collection[_Sample]) -> tuple[float, float]:
     Estimate the standard deviations of errors that all poses have alike, [m] and [rad].
 
     Errors that differ from pose to pose by less than is stated are mostly the same in each.
+
+    The mean of n - 1 squared steps of independent errors, over its expectation, has the variance
+    v = (3 n - 4) / (n - 1)^2. With that of a chi square its cube root is about normal, around
+    1 - v / 9 with the variance v / 9 (Wilson and Hilferty 1931).
     """
     values = np.array(samples)
     position_variance, heading_variance = values[:, 4:6].mean(axis=0).tolist()
     if len(samples) < MIN_COMMON:
         return math.sqrt(position_variance), math.sqrt(heading_variance)
+    count = len(samples)
+    variance = (3.0 * count - 4.0) / (count - 1.0) ** 2 / 9.0
+    ratio = min(COMMON_RATIO, (1.0 - variance - COMMON_SIGMAS * math.sqrt(variance)) ** 3)
     # Steps have twice the variance of independent errors.
     x, y, heading = (0.5 * (np.diff(values[:, 1:4], axis=0) ** 2).mean(axis=0)).tolist()
-    return (_common_error(position_variance, 0.5 * (x + y)),
-            _common_error(heading_variance, heading))
+    return (_common_error(position_variance, 0.5 * (x + y), ratio),
+            _common_error(heading_variance, heading, ratio))
 
 
-def _common_error(stated: float, independent: float) -> float:
-    """Return what a stated variance holds beyond an independent one, as standard deviation."""
-    return math.sqrt(stated - independent) if independent < COMMON_RATIO * stated else 0.0
+def _common_error(stated: float, independent: float, ratio: float) -> float:
+    """Return what a stated variance holds beyond a much less independent one, as deviation."""
+    return math.sqrt(stated - independent) if independent < ratio * stated else 0.0
 
 
 def has_moved(before: Pose, pose: Pose, settings: SupervisionSettings,

@@ -9,7 +9,7 @@ import numpy as np
 from push_control.events import PerceptionEvent
 from push_control.perception.ensemble.members import SCALE
 from push_control.perception.object_at_rest import (
-    has_moved, NOISE_POSES, StationarityWindow, Tap)
+    has_moved, MIN_COMMON, NOISE_POSES, StationarityWindow, Tap)
 from push_control.perception.perception import TaskPerception
 from push_control.settings import ControlSettings
 from push_control.supervision_settings import SupervisionSettings
@@ -77,6 +77,20 @@ def test_what_poses_state_and_do_not_show_is_an_error_that_all_have_alike(common
         errors.append(with_covariance.common_position_error)
     assert np.median(errors) == pytest.approx(common, rel=0.05)
     assert np.percentile(errors, 95.0) < common + 0.05 * CONTROL.pose_noise
+
+
+@pytest.mark.parametrize('count', [MIN_COMMON, 10, 20])
+def test_independent_errors_of_few_poses_seldom_seem_alike(count: int) -> None:
+    """In one average of twenty, of the heading and of the position."""
+    stated = PoseCovariance.from_deviations(CONTROL.pose_noise, CONTROL.heading_noise)
+    rng, common = np.random.default_rng(count), list[tuple[bool, bool]]()
+    for _ in range(400):
+        window = StationarityWindow(CONTROL, SUPERVISION)
+        for measured in noisy(rng, ORIGIN, count):
+            window.add(measured._replace(covariance=stated))
+        found = window.object_at_rest
+        common.append((found.common_position_error > 0.0, found.common_heading_error > 0.0))
+    assert np.mean(common, axis=0).max() < 0.08
 
 
 @pytest.mark.parametrize('correlation', [0.6, 0.9])
