@@ -19,7 +19,7 @@ class DetectorSettings:
     tilt_deviation: float = quantity('std of the tilt of the camera against its mounting', 'rad',
                                      1e-5, 0.5, default=0.005)
     max_residual: float = quantity('root of the mean squared residual, over its std, above which '
-                                   'tags contradict each other', '', 1.0, 100.0, default=12.0)
+                                   'tags contradict each other', '', 1.0, 100.0, default=4.0)
     ambiguity: float = quantity('excess of squared residuals, over their variance, from which on '
                                 'a second pose is refuted', '', 0.0, 1000.0, default=20.0)
     max_speed: float = quantity('speed of the object in pose_frame, by which a former pose tells '

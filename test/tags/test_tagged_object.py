@@ -104,6 +104,26 @@ def test_tags_that_fit_badly_state_larger_errors() -> None:
     assert bad > 1.5 * good
 
 
+@pytest.mark.parametrize('shift, is_named', [(0.003, False), (0.012, True)])
+def test_a_tag_glued_amiss_is_named_from_a_centimetre_on(shift: float, is_named: bool) -> None:
+    """Or all are that contradict each other; what less of it moves the pose is stated larger."""
+    rng = np.random.default_rng(9)
+    view = View(CAMERA, CameraMounting(z=0.8, pitch=0.6).optical_pose)
+    for _ in range(20):
+        pose = Pose(rng.uniform(0.5, 1.0), 0.05, rng.uniform(-math.pi, math.pi))
+        amiss = see(pose, view)[0].id
+        error = rng.standard_normal(3)
+        x, y, z = shift / np.linalg.norm(error) * error
+        layout = TagLayout(tuple(
+            dataclasses.replace(tag, x=tag.x + x, y=tag.y + y, z=tag.z + z)
+            if tag.id == amiss else tag for tag in glued_amiss(rng).tags))
+        located = locate(see(pose, view, layout, SETTINGS.corner_noise, rng), view)
+        assert (amiss in located.outliers) == is_named
+        if located.object_pose is not None:
+            found = located.object_pose
+            assert math.dist(found.pose[:2], pose[:2]) < 5.0 * found.covariance.position_deviation
+
+
 def test_a_rotation_of_the_world_rotates_pose_and_covariance() -> None:
     turn = Pose(0.0, 0.0, 2.0)
     turned = View(CAMERA, RigidTransform.from_angles((0.0, 0.0, 0.0), (0.0, 0.0, turn.theta))
