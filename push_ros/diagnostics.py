@@ -231,15 +231,16 @@ def _make_status(level: bytes, name: str, text: str, values: Mapping[str, Any]
     return status
 
 
-def shortened(text: str) -> str:
+def shortened(text: str, limit: int = MAX_TEXT) -> str:
     """
-    Shorten a sentence that quotes what somebody has sent.
+    Shorten what somebody has sent, or a sentence that quotes it.
 
     :param text: of any length.
+    :param limit: greatest number of its characters that are kept.
     """
-    if len(text) <= MAX_TEXT:
+    if len(text) <= limit:
         return text
-    half = MAX_TEXT // 2
+    half = limit // 2
     return f'{text[:half]} ... ({len(text)} characters) ... {text[-half:]}'
 
 

@@ -5,6 +5,10 @@ from pathlib import Path
 from push_model.files.data import share_directory
 from push_model.files.parameter_files import files_by_name, read_object
 from push_model.parameters import PushedObject
+from push_ros.diagnostics import shortened
+
+# Characters of a name that somebody has sent which a message quotes; chosen.
+MAX_NAME = 60
 
 
 class UnknownObject(ValueError):
@@ -75,6 +79,6 @@ class ObjectCatalogue:
             return self._own[name]
         files = self._files
         if name not in files:
-            raise UnknownObject(f'object_name: got {name!r}, expected one of '
+            raise UnknownObject(f'object_name: got {shortened(name, MAX_NAME)!r}, expected one of '
                                 + ', '.join(self.names))
         return read_object(files[name])

@@ -26,6 +26,9 @@ def test_an_unknown_name_is_refused_with_those_there_are():
     with pytest.raises(UnknownObject,
                        match="object_name: got 'moon', expected one of bin, box_04"):
         ObjectCatalogue('').find('moon')
+    with pytest.raises(UnknownObject, match="object_name: got 'mmm.*100000 char") as refusal:
+        ObjectCatalogue('').find(100_000 * 'm')
+    assert len(str(refusal.value)) < 300
 
 
 def test_a_file_is_refused_by_its_key_and_a_folder_by_its_name(tmp_path):
