@@ -71,6 +71,7 @@ pictures: .venv/developed ## draw the pictures of runs, of a contact and of the 
 	$(BIN)/python -m docs.tools.pictures
 	$(BIN)/python -m docs.tools.one_contact
 	$(BIN)/python -m benchmarks.page.picture docs/page.png
+	$(BIN)/python -m benchmarks.page.picture docs/page_room.png room
 
 UV_COMPILE := build/lock/bin/uv pip compile --quiet --universal --python-version 3.10 --no-annotate \
 	--custom-compile-command 'make lock'

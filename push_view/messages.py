@@ -59,9 +59,13 @@ def scene_message(title: str, obj: PushedObject, robot: RoundRobot, columns: Seq
     return {
         'type': 'scene', 'title': title, 'description': ' '.join(description.split()), 'law': law,
         'object': object_values(obj), 'robot': robot_values(robot),
-        'position_bound': None if bounds is None else bounds.position_error,
-        'heading_bound': None if bounds is None else bounds.heading_error,
-        'columns': list(columns)}
+        **bound_values(bounds), 'columns': list(columns)}
+
+
+def bound_values(bounds: GoalBounds | None) -> Message:
+    """Describe the bounds of the errors at the end; None where they are not known."""
+    return {'position_bound': None if bounds is None else bounds.position_error,
+            'heading_bound': None if bounds is None else bounds.heading_error}
 
 
 def scenario_message(scenario: Scenario, law: str, columns: Sequence[str]) -> Message:

@@ -51,9 +51,13 @@ def options() -> argparse.Namespace:
 
 
 @contextlib.contextmanager
-def playing(scenario: str) -> Generator[str, None, None]:
-    """Run ``push play`` inside this context; return the address of the page."""
-    words = [sys.executable, '-m', 'push_view.cli', scenario, '--no-browser', '--port', '0']
+def playing(*scene: str) -> Generator[str, None, None]:
+    """
+    Run ``push play`` inside this context; return the address of the page.
+
+    :param scene: name of a scenario, or ``--room`` and the name of a room.
+    """
+    words = [sys.executable, '-m', 'push_view.cli', *scene, '--no-browser', '--port', '0']
     with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as process:
         assert process.stdout is not None
         try:

@@ -11,7 +11,7 @@ from push_view.belief import belief_columns
 from push_view.live.paced_session import Handlers, PacedSession
 from push_view.live.room_move import RoomMove, standing_move
 from push_view.messages import (
-    controls_message, map_message, object_values, order_message, scenario_message)
+    bound_values, controls_message, map_message, object_values, order_message, scenario_message)
 from push_view.server.commands import (
     CommandRefused, DisplaceObject, require_index, Restart, SetGoal)
 from push_view.server.message_log import MessageLog
@@ -105,7 +105,8 @@ class RoomSession(PacedSession):
         log.add({**scenario_message(scenario, scenario.control.control_law,
                                     (*self._columns, *bodies)),
                  'title': room.name.replace('_', ' '), 'description': HELP,
-                 'objects': [{'name': name, **object_values(item.object)}
+                 'objects': [{'name': name, **object_values(item.object),
+                              **bound_values(item.bounds)}
                              for name, item in room.scenarios.items()]})
         log.add(map_message(0.0, room.floor_map.read(room.task.map_reading)))
         self._forget_failures()

@@ -21,10 +21,10 @@ function boundsOf(bound, factor) {
 const CHARTS = [
   { title: 'position error [mm]', isLog: true, least: 0.5, digits: 1,
     value: (recording, row) => 1e3 * poseError(recording, row)[0],
-    bounds: (recording) => boundsOf(recording.scene.position_bound, 1e3) },
+    bounds: (recording, time) => boundsOf(recording.sceneAt(time).position_bound, 1e3) },
   { title: 'heading error [°]', isLog: true, least: 0.02, digits: 2,
     value: (recording, row) => Math.abs(poseError(recording, row)[1]) / DEGREE,
-    bounds: (recording) => boundsOf(recording.scene.heading_bound, 1 / DEGREE) },
+    bounds: (recording, time) => boundsOf(recording.sceneAt(time).heading_bound, 1 / DEGREE) },
   { title: 'contact force from the normal [°]', range: 60, digits: 0,
     value: (recording, row) => {
       const columns = recording.columns;

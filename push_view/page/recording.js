@@ -127,10 +127,12 @@ class Recording {
     return list[lastNotLater(list, time + 1e-9, (message) => message.time)] || null;
   }
 
-  // The scene, with the object that is pushed at a time.
+  // The scene, with the object that is pushed at a time, and its bounds.
   sceneAt(time) {
     const { scene } = this, order = scene && scene.objects ? this.latest('order', time) : null;
-    return order ? { ...scene, object: scene.objects[order.pushed] } : scene;
+    if (!order) return scene;
+    const object = scene.objects[order.pushed], { position_bound, heading_bound } = object;
+    return { ...scene, object, position_bound, heading_bound };
   }
 
   // Where the object that is pushed is, as of values at a time.
