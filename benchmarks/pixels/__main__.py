@@ -40,10 +40,11 @@ def rows(endings: Sequence[Ending]) -> list[str]:
 
     :param endings: of tasks.
     """
-    groups = [(view, kind, [ending for ending in endings
-                            if ending.view == view and kind_of(ending.seed) == kind])
-              for view in VIEWS for kind in KINDS]
-    return [_row(view, kind, group) for view, kind, group in groups if group]
+    groups: dict[tuple[View, Kind], list[Ending]] = {
+        (view, kind): [ending for ending in endings
+                       if ending.view == view and kind_of(ending.seed) == kind]
+        for view in VIEWS for kind in KINDS}
+    return [_row(view, kind, group) for (view, kind), group in groups.items() if group]
 
 
 def _row(view: View, kind: Kind, endings: Sequence[Ending]) -> str:
@@ -85,8 +86,8 @@ def run_tasks(count: int, records: Path | None, workers: int) -> list[Ending]:
     """
     endings = read_records(records)
     known = {(ending.view, ending.seed) for ending in endings}
-    missing = [(view, seed) for seed in range(count) for view in VIEWS
-               if (view, seed) not in known]
+    missing: list[tuple[View, int]] = [
+        (view, seed) for seed in range(count) for view in VIEWS if (view, seed) not in known]
     if not missing:
         return endings
     with futures.ProcessPoolExecutor(workers, multiprocessing.get_context('spawn')) as pool:
