@@ -151,13 +151,18 @@ def test_an_unusable_pose_stops_the_robot(controller, pose, frame, text):
     controller.wait_until(lambda: any(text in error for error in errors(controller)))
 
 
-def test_unusable_odometry_stops_the_robot(controller):
-    """At once, and for as long as it comes."""
-    assert controller.odometry(0.2, (math.nan, 0.0, 0.0)) == ZERO
-    assert controller.odometry(0.22, ROBOT, 'map') == ZERO
-    controller.wait_until(lambda: any("odom: got frame 'map', expected 'odom'" in error
-                                      for error in errors(controller)))
-    assert controller.odometry(0.24, ROBOT)[0] > 0.0
+def test_unusable_odometry_stops_the_robot(tmp_path, trajectory):
+    """At once, and at the next odometry; once more within two seconds, for longer."""
+    with running_controller(tmp_path) as b:
+        begin(b, trajectory)
+        assert b.odometry(0.2, (math.nan, 0.0, 0.0)) == ZERO
+        assert b.odometry(0.22, ROBOT) == ZERO
+        assert b.odometry(0.24, ROBOT)[0] > 0.0
+        assert b.odometry(0.26, ROBOT, 'map') == ZERO
+        b.wait_until(lambda: any("odom: got frame 'map', expected 'odom'" in error
+                                 for error in errors(b)))
+        b.object_pose(0.28, OBJECT)
+        assert [b.odometry(0.28 + i * PERIOD, ROBOT) for i in range(5)] == [ZERO] * 5
 
 
 def first_stop(b, spoil):
