@@ -19,25 +19,28 @@ from typing import Any, Callable
 from benchmarks.chances.coverage import chance_table, quantile_table, Statement
 from benchmarks.chances.fit import fit_model
 from benchmarks.chances.jobs import push_jobs, task_jobs
-from benchmarks.chances.runs import run_push, run_task
+from benchmarks.chances.runs import run_push, run_task, run_wide_task
 from benchmarks.chances.samples import push_samples, PUSH_TOLERANCES, Sample, task_samples
 from benchmarks.controller.tables import Job, Pair
 from benchmarks.report_template import fill_template
 from benchmarks.tasks.cases import IN_MAPS, OPEN, SLIPPERY, SPATIAL, STRICT
+from push_model.outlook import LEVELS
 from push_planner.outlook import COEFFICIENTS, MAP, OPEN_FLOOR, OutlookModel, STEERED_PUSH
 from push_scenario.parallel import ERROR, JobFunction, progress_bar, run_many
 
 TEXT = Path(__file__).with_name('chances.md.in')
+WIDE = 'wide'
 STEERED = 'steered pushes'
 SPATIAL_STEERED = 'steered pushes, MuJoCo'
 # Names of the groups in the report.
-TITLES = {OPEN: 'tasks on open floor', STRICT: 'narrow tolerances', SLIPPERY: 'slippery contacts',
+TITLES = {OPEN: 'tasks on open floor', STRICT: 'narrow tolerances',
+          WIDE: 'wide tolerances', SLIPPERY: 'slippery contacts',
           SPATIAL: 'MuJoCo', IN_MAPS: 'maps', STEERED: STEERED,
           SPATIAL_STEERED: SPATIAL_STEERED}
-COUNTS = {OPEN: 63, STRICT: 12, SLIPPERY: 8, SPATIAL: 22, IN_MAPS: 18, STEERED: 105,
+COUNTS = {OPEN: 63, STRICT: 35, WIDE: 21, SLIPPERY: 21, SPATIAL: 22, IN_MAPS: 18, STEERED: 105,
           SPATIAL_STEERED: 24}
 # What the coefficients are fitted on: models and their groups.
-FITTED = {OPEN_FLOOR: (OPEN, STRICT), MAP: (IN_MAPS,), STEERED_PUSH: (STEERED,)}
+FITTED = {OPEN_FLOOR: (OPEN, STRICT, WIDE), MAP: (IN_MAPS,), STEERED_PUSH: (STEERED,)}
 # Parts of the seeds, each of which is judged by what was fitted on the others; chosen.
 FOLDS = 5
 # Further tolerances at which chances of steered pushes are checked, over their own.
@@ -70,8 +73,9 @@ def measure(chosen: argparse.Namespace) -> Samples:
             jobs = push_jobs(scaled, is_spatial=group == SPATIAL_STEERED)
             samples[group] = push_samples(group, _run(chosen, run_push, group, jobs))
         else:
-            jobs = task_jobs(group, scaled)
-            samples[group] = task_samples(group, _run(chosen, run_task, group, jobs))
+            jobs = task_jobs(OPEN if group == WIDE else group, scaled)
+            function = run_wide_task if group == WIDE else run_task
+            samples[group] = task_samples(group, _run(chosen, function, group, jobs))
     return samples
 
 
@@ -92,8 +96,12 @@ def fit(samples: Samples, condition: Condition = lambda _: True) -> dict[str, An
     :param condition: which samples count.
     :return: plain values by name, as ``push_planner/outlook.json`` has them.
     """
-    return {name: fit_model([sample for group in groups for sample in samples[group]
-                             if condition(sample)]) for name, groups in FITTED.items()}
+    members = {name: [sample for group in groups for sample in samples[group]
+                      if condition(sample)] for name, groups in FITTED.items()}
+    open_floor = fit_model(members[OPEN_FLOOR])
+    return {OPEN_FLOOR: open_floor,
+            MAP: fit_model(members[MAP], open_floor['time']['narrow_slopes']),
+            STEERED_PUSH: fit_model(members[STEERED_PUSH], [0.0] * len(LEVELS))}
 
 
 def _is_outside(fold: int, sample: Sample) -> bool:
@@ -111,17 +119,26 @@ def statements(samples: Samples) -> dict[str, list[Statement]]:
 def report(samples: Samples) -> str:
     """Fill the template."""
     stated = statements(samples)
-    goals = {title: [statement for statement in stated[group] if statement.sample.is_first]
-             for group, title in TITLES.items()}
+    goals, later = (_by_title(stated, is_first=is_first) for is_first in (True, False))
+    narrow_goals = dict(goals)
     for group, scale in itertools.product((STEERED, SPATIAL_STEERED), SCALES):
         title = f'{TITLES[group]}, {1e3 * scale * PUSH_TOLERANCES.position:g} mm'
         narrow = {group: [sample.with_tolerances(scale) for sample in samples[group]]}
-        goals[title] = statements({**samples, **narrow})[group]
-    later = {title: [statement for statement in stated[group] if not statement.sample.is_first]
-             for group, title in TITLES.items()}
-    return fill_template(
-        TEXT, GOALS=quantile_table({title: goals[title] for title in TITLES.values()}),
-        CHANCES=chance_table(goals), PLANS=quantile_table(later))
+        narrow_goals[title] = statements({**samples, **narrow})[group]
+    return fill_template(TEXT, GOALS=quantile_table(goals), CHANCES=chance_table(narrow_goals),
+                         PLANS=quantile_table(later))
+
+
+def _by_title(stated: dict[str, list[Statement]], *,
+              is_first: bool) -> dict[str, list[Statement]]:
+    rows: dict[str, list[Statement]] = {}
+    for group, title in TITLES.items():
+        for statement in stated[group]:
+            sample = statement.sample
+            size = f', {1e3 * sample.tolerances.position:g} mm' if group == STRICT else ''
+            if sample.is_first == is_first:
+                rows.setdefault(title + size, []).append(statement)
+    return rows
 
 
 def main() -> int:

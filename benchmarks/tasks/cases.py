@@ -221,7 +221,7 @@ def draw(part: str, kind: str, seed: int, base: str = LEARNED, maps: str = '') -
             _by_lidar(case)._replace(variety=BY_LIDAR))
     if part == WALLS:
         case = _by_lidar(_at_walls(kind, seed))
-        return _with_tolerance(case, FREE_TOLERANCE) if base == ANY_HEADING else case
+        return with_tolerance(case, FREE_TOLERANCE) if base == ANY_HEADING else case
     if part in (OPEN, IN_MAPS, FLATS, DISTURBED):
         return _draw(part, kind, seed)
     rng = _rng(part, kind, seed)
@@ -387,7 +387,12 @@ def _with_supervision(case: Case, **settings: Any) -> Case:
         task, supervision=dataclasses.replace(task.supervision, **settings))))
 
 
-def _with_tolerance(case: Case, tolerance: Tolerance) -> Case:
+def with_tolerance(case: Case, tolerance: Tolerance) -> Case:
+    """
+    Let a task be done, and judged, within another tolerance.
+
+    :param tolerance: ``Tolerance``.
+    """
     return _with_supervision(case, position_tolerance=tolerance.position,
                              heading_tolerance=tolerance.heading)._replace(tolerance=tolerance)
 
@@ -414,7 +419,7 @@ def _wheels(case: Case, rng: np.random.Generator) -> Case:
 
 def _tag(case: Case, _: np.random.Generator) -> Case:
     seen = _with_supervision(_with_sensors(case, **TAG_SENSORS), **TAG_SUPERVISION)
-    seen = _with_tolerance(seen, TAG_TOLERANCE)
+    seen = with_tolerance(seen, TAG_TOLERANCE)
     return seen._replace(scenario=dataclasses.replace(
         seen.scenario, control=dataclasses.replace(seen.scenario.control, **TAG_CONTROL)))
 
@@ -474,7 +479,7 @@ def _informed(case: Case, _: np.random.Generator) -> Case:
 
 
 def _strict(case: Case, tolerance: Tolerance) -> Case:
-    return _with_tolerance(case, tolerance)._replace(variety=str(tolerance))
+    return with_tolerance(case, tolerance)._replace(variety=str(tolerance))
 
 
 VARIATIONS: dict[str, Callable[[Case, np.random.Generator], Case]] = {

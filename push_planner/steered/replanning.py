@@ -79,7 +79,7 @@ def stated_trajectory(plan: Plan, tolerances: GoalTolerances) -> PushTrajectory:
 
     :param tolerances: ``GoalTolerances`` within which the object counts as at its goal.
     """
-    outlook = push_outlook(plan.motion.duration, plan.motion.path_length, tolerances)
+    outlook = push_outlook(plan.motion.duration, tolerances)
     return dataclasses.replace(plan.trajectory, outlook=outlook)
 
 

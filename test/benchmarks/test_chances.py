@@ -1,42 +1,50 @@
 """The benchmark of stated chances: its fit, and how it counts."""
 
 from benchmarks.chances.coverage import Share
-from benchmarks.chances.fit import fit_model, quantile_line
+from benchmarks.chances.fit import fit_model, quantile_plane
 from benchmarks.chances.jobs import push_jobs, task_jobs
 from benchmarks.chances.samples import Ends, Sample
 import numpy as np
 from push_model.geometry import FloatArray
 from push_model.outlook import LEVELS
 from push_model.plan_request import GoalTolerances
+from push_planner.outlook import usable_tolerances
 import pytest
 
 
 @pytest.mark.parametrize('level', LEVELS)
-def test_the_share_below_a_quantile_line_is_its_level(level: float) -> None:
-    """The optimum passes through two samples, and at most as many as it should lie above."""
+def test_the_share_below_a_quantile_plane_is_its_level(level: float) -> None:
+    """The optimum passes through three samples, and at most as many as it should lie above."""
     rng = np.random.default_rng(5)
-    known: FloatArray = rng.uniform(5.0, 60.0, 200)
-    actual: FloatArray = 2.0 + known * rng.lognormal(0.0, 0.3, 200)
-    offset, slope = quantile_line(known, actual, np.ones(200), level)
-    residuals = actual - offset - slope * known
-    above, at_line = (residuals > 1e-6).sum(), (np.abs(residuals) <= 1e-6).sum()
-    assert above <= (1.0 - level) * 200 <= above + at_line
+    known: FloatArray = rng.uniform(5.0, 60.0, (200, 2))
+    actual: FloatArray = 2.0 + known @ (1.0, 0.2) * rng.lognormal(0.0, 0.3, 200)
+    offset, *slopes = quantile_plane(known, actual, level)
+    residuals = actual - offset - known @ slopes
+    above, at_plane = (residuals > 1e-6).sum(), (np.abs(residuals) <= 1e-6).sum()
+    assert above <= (1.0 - level) * 200 <= above + at_plane
 
 
-def test_a_line_without_noise_is_met_at_every_level() -> None:
-    """And what is known of one number alone is in proportion to it."""
-    known: FloatArray = np.linspace(1.0, 9.0, 20).astype(np.float64)
+def test_a_plane_without_noise_is_met_at_every_level() -> None:
+    """Also by slopes of very different size."""
+    known: FloatArray = np.random.default_rng(6).uniform(1.0, 9.0, (20, 2)) * (1.0, 1e-3)
     for level in LEVELS:
-        assert quantile_line(known, 0.5 + 3.0 * known, np.ones(20), level) == pytest.approx(
-            (0.5, 3.0))
-    alone = quantile_line(np.full(20, 0.5), known, np.ones(20), 0.0525)
-    assert alone == pytest.approx((0.0, 2.0 * known[1]))
+        assert quantile_plane(known, 0.5 + known @ (3.0, 700.0), level) == pytest.approx(
+            (0.5, 3.0, 700.0))
 
 
-def sample(error: float, *, is_retry: bool = False, is_done: bool = True) -> Sample:
+def test_errors_in_proportion_to_what_noise_leaves_of_tolerances_are_fitted_exactly() -> None:
+    """At every level, so that narrow and wide tolerances say the same."""
+    samples = [sample(0.6 * usable_tolerances(GoalTolerances(size, 0.02)).position, tolerance=size)
+               for size in (0.003, 0.005, 0.01, 0.02)]
+    assert fit_model(samples)['position_error'] == pytest.approx([0.6] * len(LEVELS))
+
+
+def sample(error: float, *, tolerance: float = 0.01, is_retry: bool = False,
+           is_done: bool = True) -> Sample:
     """Make one of a task that took as long as expected."""
-    return Sample('open_floor', 'open floor', 1, Ends(20.0, 0.01, 0.02), Ends(20.0, error, 0.0),
-                  GoalTolerances(0.01, 0.02), is_done, is_retry=is_retry)
+    return Sample('open_floor', 'open floor', 1, 20.0, GoalTolerances(tolerance, 0.02),
+                  Ends(20.0, error, 0.0), GoalTolerances(tolerance, 0.02), is_done,
+                  is_retry=is_retry)
 
 
 def test_chances_are_shares_of_runs_and_attempts_unheard_of_are_expected_to_be_like_others(
