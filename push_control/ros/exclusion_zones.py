@@ -33,8 +33,9 @@ PERIOD = 0.1
 # Time after which an answer is lost, and after which a refused call is repeated [s]; chosen: a
 # hundred times the usual one.
 ANSWER_TIME = 2.0
-# Longest wait for answers at the end [s]; chosen: twenty times the usual one, on a busy machine.
-LAST_ANSWER_TIME = 0.5
+# Longest wait for answers at the end [s]; chosen: forty times the usual one, as on a
+# busy machine, and half of what a node has to end.
+LAST_ANSWER_TIME = 1.0
 
 Outline = tuple[tuple[float, float], ...]
 
