@@ -131,7 +131,7 @@ def test_a_far_robot_is_compared_with_itself_without_a_lidar():
         assert plain.sensors.lidar.rate == 0.0 < with_lidar.sensors.lidar.rate
 
 
-def test_bins_at_walls_are_compared_with_themselves_with_any_heading():
+def test_bins_at_walls_are_compared_with_themselves_with_any_heading() -> None:
     """All else of the task is the same; objects with faces run once."""
     tasks = jobs(WALLS, len(KINDS[WALLS]))
     job, = free_jobs(tasks)

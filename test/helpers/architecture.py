@@ -294,7 +294,7 @@ def old_words(root):
     return wrong
 
 
-def unguarded_callbacks(root):
+def unguarded_callbacks(root: Path) -> list[str]:
     """Find timers and subscriptions whose errors would end the node."""
     wrong = []
     for module in filter(is_shell, modules(root)):

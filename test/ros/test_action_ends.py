@@ -37,7 +37,8 @@ class Handle:
         self.request = SimpleNamespace(
             goal_pose=pose or goal_pose(1.0), object_name=object_name, position_tolerance=0.0,
             heading_tolerance=0.0, time_limit=SimpleNamespace(sec=0, nanosec=0))
-        self.is_active, self.is_cancel_requested = True, False
+        self.is_active = True
+        self.is_cancel_requested = False
         self.end = ''
 
     def execute(self) -> None:
@@ -46,7 +47,9 @@ class Handle:
     def _end(self, end: str) -> None:
         if not self.is_active:
             raise RuntimeError(f'goal: got {end} after {self.end}, expected one end')
-        self.end, self.is_active, self.is_cancel_requested = end, False, False
+        self.end = end
+        self.is_active = False
+        self.is_cancel_requested = False
 
     def succeed(self) -> None:
         """End well."""

@@ -115,7 +115,7 @@ def test_a_cancelled_goal_ends_where_odometry_is_lost(goals, robot):
     assert handle.cause.code is TaskEvent.ODOMETRY_LOST
 
 
-def test_a_clock_that_is_set_ahead_takes_no_time_of_a_goal(goals, robot):
+def test_a_clock_that_is_set_ahead_takes_no_time_of_a_goal(goals, robot) -> None:
     """Its limit is one of time that has passed."""
     handle = goals.start(dataclasses.replace(FIRST, time_limit=120.0))
     goals.update(100.0)

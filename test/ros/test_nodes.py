@@ -151,7 +151,7 @@ def test_an_unusable_pose_stops_the_robot(controller, pose, frame, text):
     controller.wait_until(lambda: any(text in error for error in errors(controller)))
 
 
-def test_unusable_odometry_stops_the_robot(tmp_path, trajectory):
+def test_unusable_odometry_stops_the_robot(tmp_path, trajectory) -> None:
     """At once, and at the next odometry; once more within two seconds, for longer."""
     with running_controller(tmp_path) as b:
         begin(b, trajectory)
